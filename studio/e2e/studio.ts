@@ -22,27 +22,31 @@ export interface Server {
   address: string;
   port: number;
   process: ChildProcess;
+  /** Standard output until the address of the page. */
+  output: string;
   stop(): Promise<void>;
 }
 
-export async function serve(port = 0, more: string[] = []): Promise<Server> {
-  const process = spawn(COMMAND, ['studio', '--no-open', '--port', String(port), ...more], {
-    stdio: ['ignore', 'pipe', 'inherit'],
-  });
+export const serve = (port = 0, more: string[] = []): Promise<Server> => start(['studio', '--no-open', '--port', String(port), ...more]);
+
+/** A command that serves the page. */
+export async function start(args: string[]): Promise<Server> {
+  const process = spawn(COMMAND, args, { stdio: ['ignore', 'pipe', 'inherit'] });
+  let output = '';
   const address = await new Promise<string>((found, failed) => {
-    let output = '';
     process.stdout.on('data', (text: Buffer) => {
       output += text.toString();
       const match = /http:\/\/127\.0\.0\.1:\d+\//.exec(output);
       if (match) found(match[0]);
     });
     process.on('error', failed);
-    process.on('exit', (code) => failed(new Error(`${COMMAND} studio ended with ${code}: ${output}`)));
+    process.on('exit', (code) => failed(new Error(`${COMMAND} ${args.join(' ')} ended with ${code}: ${output}`)));
   });
   return {
     address,
     port: Number(new URL(address).port),
     process,
+    output,
     stop: () =>
       new Promise((done) => {
         if (process.exitCode !== null) return done();

@@ -1,9 +1,10 @@
 //! A simulated controller: a robot that executes one program after another, each checked before it moves.
 
+use crate::EntityId;
 use crate::check::{CheckResult, Report};
 use crate::planner::{IncrementalPlanner, PlanError, PlanOptions};
 use crate::program::{Program, RobotState, WaferLocation, WaferLocations};
-use crate::station::{SlotId, WaferRules};
+use crate::station::WaferRules;
 use crate::trajectory::Trajectory;
 use crate::validate::InvalidPart;
 use crate::workcell::Cell;
@@ -29,6 +30,8 @@ pub struct Controller {
     /// The cell, with the present locations of the wafers.
     cell: Cell,
     at_start: Cell,
+    /// Identity at the start of each wafer, in the order of the present locations.
+    wafers: Vec<EntityId>,
     state: RobotState,
     planner: IncrementalPlanner,
 }
@@ -63,13 +66,20 @@ impl Controller {
         cell.validate()?;
         let cell = Cell { rules: WaferRules::default(), ..cell };
         let state = RobotState::home(&cell.robot);
-        Ok(Self { at_start: cell.clone(), cell, state, planner: IncrementalPlanner::default() })
+        let (wafers, planner) = (identities(&cell), IncrementalPlanner::default());
+        Ok(Self { at_start: cell.clone(), cell, wafers, state, planner })
     }
 
     /// The cell, with the present locations of the wafers.
     #[must_use]
     pub fn cell(&self) -> &Cell {
         &self.cell
+    }
+
+    /// Identities of all wafers at the start, in the order of [`Self::locations`]: a wafer keeps its identity wherever it is placed.
+    #[must_use]
+    pub fn wafers(&self) -> &[EntityId] {
+        &self.wafers
     }
 
     /// The state of the robot after the last program.
@@ -118,13 +128,6 @@ impl Controller {
         self.state = RobotState { positions, arms_retracted: false, speed_scaling, blend_radius };
     }
 
-    /// Locations of the wafers at a time of an execution that was planned from the present state (s).
-    #[must_use]
-    pub fn locations_at(&self, execution: &Execution, time: f64) -> WaferLocations {
-        let ended = execution.trajectory.step_at(time);
-        WaferLocations::of_steps(&self.cell, &execution.trajectory.steps[..ended])
-    }
-
     /// Locations of the wafers after the last program.
     #[must_use]
     pub fn locations(&self) -> WaferLocations {
@@ -134,6 +137,7 @@ impl Controller {
     /// Moves the robot home and the wafers to where they were at the start.
     pub fn reset(&mut self) {
         self.cell = self.at_start.clone();
+        self.wafers = identities(&self.cell);
         self.state = RobotState::home(&self.cell.robot);
     }
 
@@ -141,15 +145,36 @@ impl Controller {
     fn hand_off(&mut self, execution: &Execution, steps: usize) {
         let steps = &execution.trajectory.steps[..steps];
         let locations = WaferLocations::of_steps(&self.cell, steps);
-        let all = || locations.wafers().map(|wafer| locations.location(wafer));
-        let mut occupied: Vec<SlotId> = all().filter_map(WaferLocation::slot).collect();
-        occupied.sort_unstable();
-        let loaded = all().filter_map(WaferLocation::effector).collect();
-        (self.cell.occupied, self.cell.loaded_effectors) = (occupied, loaded);
+        let mut all: Vec<(WaferLocation, EntityId)> = locations
+            .wafers()
+            .map(|wafer| (locations.location(wafer), self.wafers[wafer]))
+            .collect();
+        // Slots come first, as in the order of locations at the start.
+        all.sort_unstable_by_key(|(location, _)| *location);
+        let places = || all.iter().map(|(location, _)| *location);
+        self.cell.occupied = places().filter_map(WaferLocation::slot).collect();
+        self.cell.loaded_effectors = places().filter_map(WaferLocation::effector).collect();
+        self.wafers = all.iter().map(|(_, wafer)| *wafer).collect();
     }
 }
 
+/// Identities of all wafers at the start.
+fn identities(cell: &Cell) -> Vec<EntityId> {
+    let locations = WaferLocations::at_start(cell);
+    locations.wafers().map(|wafer| locations.wafer_id(wafer)).collect()
+}
+
 impl Execution {
+    /// Locations of the wafers at a time of the motion (s).
+    ///
+    /// # Arguments
+    /// * `cell` – the cell of the controller before this execution
+    #[must_use]
+    pub fn locations_at(&self, cell: &Cell, time: f64) -> WaferLocations {
+        let ended = self.trajectory.step_at(time);
+        WaferLocations::of_steps(cell, &self.trajectory.steps[..ended])
+    }
+
     /// The step after whose end the robot can be at rest, if a stop is commanded at a time (s): the first end of a step from that time on that is not blended with the next step.
     #[must_use]
     pub fn stopping_step(&self, time: f64) -> usize {

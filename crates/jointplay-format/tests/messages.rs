@@ -185,9 +185,25 @@ fn after_an_error_of_syntax_nothing_else_is_reported_of_a_cell() {
     }
 }
 
+/// An expression that does not start as one has this message, which once was taken for one of the library for TOML.
+#[test]
+fn a_brace_in_an_expression_is_reported_with_what_may_be_there() {
+    let mut found = 0;
+    for (kind, text, read) in files() {
+        let changed = text.replacen("point = [0", "point = [\"{\"", 1);
+        let message = if changed == text { String::new() } else { read(&changed).unwrap() };
+        if message.contains("parenthesis") {
+            let expected = "expected a number, a name or a parenthesis, found `{`";
+            assert!(message.contains(expected), "{kind}: {message}");
+            found += 1;
+        }
+    }
+    assert!(found > 0);
+}
+
 /// Phrases of the library that parses TOML into types.
 const PHRASES: [&str; 6] =
-    ["invalid type", "invalid value", "missing field", "unknown field", "at line", "expected a "];
+    ["invalid type", "invalid value", "missing field", "unknown field", "at line", ", expected a "];
 
 proptest::proptest! {
     #![proptest_config(proptest::prelude::ProptestConfig::with_cases(400))]

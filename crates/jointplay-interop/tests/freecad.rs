@@ -2,11 +2,12 @@
 
 use std::io::Cursor;
 
-use jointplay_core::mechanism::{JointKind, Kinematics, assemble, guess};
+use jointplay_core::mechanism::{JointKind, Kinematics, Mechanism, assemble, guess};
 use jointplay_format::mechanism::LengthUnit;
 use jointplay_interop::import::{
     Dialect, Imported, document_text, is_archive, is_assembly, is_model, parse, parse_with_unit,
 };
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 const DOCUMENT: &[u8] = include_bytes!("../../../validation/golden/models/crank-press.FCStd");
 const EXPORT: &str = include_str!("../../../validation/golden/models/crank-press.asmt");
@@ -104,11 +105,7 @@ fn refuse(from: &str, to: &str, message: &str) {
 fn documents_that_would_be_another_mechanism_are_refused() {
     // Revolute joints as others, by their numbers.
     let number = |k: usize| format!("<Integer value=\"{k}\" CustomEnum=\"true\"/>");
-    let supported =
-        "imported are the joints Fixed, Revolute, Cylindrical, Slider, Ball, RackPinion";
-    for k in 5..=8 {
-        refuse(&number(1), &number(k), supported);
-    }
+    refuse(&number(1), &number(5), "of type \"Distance\" to \"Face");
     refuse(&number(1), &number(9), "one of its parts must slide on a slider joint");
     refuse(&number(1), &number(10), "its parts need one cylindrical joint between them");
     for k in [11, 12] {
@@ -300,4 +297,119 @@ fn a_rack_moves_by_the_radius_of_its_pinion() {
         let slid = closed[index("slide")] - guess(mechanism)[index("slide")];
         assert!((slid - 0.01).abs() < 1e-12, "{is_rack_first}: {slid}");
     }
+}
+
+/// Written by FreeCAD 1.0.0 of Debian 13, see `validation/golden/freecad_assemblies.py`.
+const CRANK: &[u8] = include_bytes!("../../../validation/golden/models/freecad-crank.FCStd");
+const CRANK_EXPORT: &str = include_str!("../../../validation/golden/models/freecad-crank.asmt");
+const CONSTRAINTS: &str =
+    include_str!("../../../validation/golden/models/freecad-constraints.asmt");
+/// Poses of parts that the solver of FreeCAD finds, with the crank held at some angles.
+const CRANK_POSES: &str = include_str!("../../../validation/golden/freecad-crank-poses.csv");
+
+fn crank() -> Imported {
+    read(&document_text(Cursor::new(CRANK)).expect("the document is an archive of FreeCAD"))
+}
+
+fn freedoms(mechanism: &Mechanism) -> usize {
+    mechanism.joints().iter().map(|joint| joint.kind.freedoms()).sum()
+}
+
+#[test]
+fn a_document_of_freecad_1_moves_as_its_solver_moves_it() {
+    let Imported { mechanism, ignored, .. } = crank();
+    assert_eq!(mechanism.joints()[1].name, "drive");
+    assert_eq!(mechanism.joints()[1].limits[0][1], f64::INFINITY);
+    assert_eq!(ignored, ["1 × opposite direction of an axis"; 0]);
+    // A rod with a ball at one end and a universal joint at the other is a distance of two points.
+    let kinds = |name: &str| {
+        let joints = mechanism.joints().iter().filter(|joint| joint.name.starts_with(name));
+        joints.map(|joint| joint.kind).collect::<Vec<_>>()
+    };
+    assert_eq!(kinds("wire"), [JointKind::Universal, JointKind::Spherical]);
+    assert_eq!(kinds("square").len(), 4);
+    assert_eq!(kinds("tilt").len(), 5);
+    let kinematics = Kinematics::new(&mechanism);
+    let start = assemble(&mechanism, &guess(&mechanism), &[], 0).unwrap().coordinates;
+    assert!((&start - guess(&mechanism)).amax() < 1e-8, "{}", &start - guess(&mechanism));
+    let drive = kinematics.coordinates_of(1).start;
+    let mut compared = 0;
+    let mut at = start.clone();
+    for row in CRANK_POSES.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number = |k: usize| cells[k].parse::<f64>().unwrap();
+        let target = start[drive] + number(0);
+        if (at[drive] - target).abs() > 1e-12 {
+            at[drive] = target;
+            at = assemble(&mechanism, &at, &[drive], 0).unwrap().coordinates;
+        }
+        let link = mechanism.links().iter().position(|link| link == cells[1]).unwrap();
+        let pose = kinematics.link_poses(&at).unwrap()[link];
+        let place = Vector3::new(number(2), number(3), number(4)) * 1e-3;
+        assert!((pose.translation.vector - place).amax() < 1e-8, "{row}: {pose}");
+        let turn = Quaternion::new(number(8), number(5), number(6), number(7));
+        let turn = UnitQuaternion::from_quaternion(turn).to_rotation_matrix();
+        // The spin of the rod about its own axis follows from the cylindrical joint.
+        assert!((pose.rotation.matrix() - turn.matrix()).amax() < 1e-7, "{row}: {pose}");
+        compared += 1;
+    }
+    assert_eq!(compared, 36);
+}
+
+/// FreeCAD 1.0 of Linux writes names of joints without their first four letters and with an `E` at the end.
+#[test]
+fn an_export_with_cut_names_of_joints_is_the_document() {
+    assert!(CRANK_EXPORT.contains("\tluteJointE") && !CRANK_EXPORT.contains("RevoluteJoint"));
+    // The cut name of a distance of two points is also that of a point and a line.
+    let error = parse_with_unit(CRANK_EXPORT, LengthUnit::Millimeter).unwrap_err().to_string();
+    assert!(error.contains("CylSphJoint or SphSphJoint") && error.contains(".FCStd"), "{error}");
+    let export = CRANK_EXPORT.replace("phJointE", "SphSphJoint");
+    let export = parse_with_unit(&export, LengthUnit::Millimeter).unwrap().mechanism;
+    let document = crank().mechanism;
+    assert_eq!(export.joints().len(), document.joints().len());
+    for (one, other) in export.joints().iter().zip(document.joints()) {
+        assert_eq!(one.kind, other.kind);
+        assert_eq!(one.links, other.links);
+        assert_eq!(one.limits.len(), other.limits.len());
+        for (one, other) in one.frames.iter().zip(&other.frames) {
+            assert!((one.to_homogeneous() - other.to_homogeneous()).amax() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn each_constraint_of_freecad_leaves_its_freedoms_and_is_closed_as_solved() {
+    let text = CONSTRAINTS.replace("phJointE", "CylSphJoint");
+    let mechanism = parse_with_unit(&text, LengthUnit::Millimeter).unwrap().mechanism;
+    // A point in a plane 5, a point near a line 5, parallel lines 3, a line in a plane 4, parallel planes 3, parallel axes 4, perpendicular axes 5, axes at an angle 5.
+    assert_eq!(freedoms(&mechanism), 5 + 5 + 3 + 4 + 3 + 4 + 5 + 5);
+    // There is no loop that could correct the start: the parts are where the solver had them.
+    let poses = Kinematics::new(&mechanism).link_poses(&guess(&mechanism)).unwrap();
+    let drawn: Vec<Vector3<f64>> = CONSTRAINTS
+        .split("\n\t\tPart\n")
+        .skip(1)
+        .map(|part| {
+            let line = part.split("Position3D\n").nth(1).unwrap().lines().next().unwrap();
+            let numbers: Vec<f64> = line.split_whitespace().map(|x| x.parse().unwrap()).collect();
+            Vector3::new(numbers[0], numbers[1], numbers[2]) * 1e-3
+        })
+        .collect();
+    assert_eq!(drawn.len(), 9);
+    for (link, drawn) in drawn.iter().enumerate() {
+        // Link 0 is the assembly.
+        let found = poses[link + 1].translation.vector;
+        assert!((found - drawn).amax() < 1e-9, "{}: {found} {drawn}", mechanism.links()[link + 1]);
+    }
+}
+
+#[test]
+fn a_distance_of_other_elements_is_refused_in_a_document() {
+    let text = document_text(Cursor::new(CRANK)).unwrap();
+    assert!(text.contains("Box001.Vertex1\"/>"));
+    let start = text.find("<String value=\"wire\"/>").unwrap();
+    let face = text[..start].to_owned()
+        + &text[start..].replacen("Box001.Vertex1\"/>", "Box001.Face2\"/>", 1);
+    let error = parse(&face).unwrap_err().to_string();
+    assert!(error.contains("joint \"wire\" of type \"Distance\" to \"Face2\""), "{error}");
+    assert!(error.contains("depend on their shapes"), "{error}");
 }

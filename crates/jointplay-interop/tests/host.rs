@@ -4,7 +4,9 @@
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{IncrementalPlanner, PlanOptions};
 use jointplay_format::{cell, program};
-use jointplay_interop::host::{HostLanguage, HostSession, MAX_LINE_BYTES, NEUTRAL};
+use jointplay_interop::host::{
+    HostEvent, HostLanguage, HostSession, HostSnapshot, MAX_LINE_BYTES, NEUTRAL, Outcome,
+};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -96,6 +98,64 @@ fn while_the_robot_moves_it_answers_its_state_and_refuses_other_motions() {
     assert!(answers.starts_with("COMPLETED "), "{answers}");
     assert!(answers.contains("\nSTATUS idle 0.000 "), "{answers}");
     assert!(answers.trim_end().ends_with("A=1 B=0"), "{answers}");
+}
+
+#[test]
+fn a_snapshot_is_the_planned_motion_at_any_time_and_wafers_keep_their_names() {
+    let language = HostLanguage::neutral();
+    let mut host = Host::new(&language, 4.0);
+    let home = host.session.snapshot().state_at(0.0);
+    assert_eq!((home.command, home.duration), (None, 0.0));
+    let program = program::parse("GET LP1 SLOT 3 WITH A\nPUT LP2 SLOT 5 WITH A").unwrap();
+    let (motion, _) =
+        IncrementalPlanner::default().plan(&example(), &program, &PlanOptions::default()).unwrap();
+    let mut before = 0.0;
+    for command in ["GET LP1 3 A", "PUT LP2 5 A"] {
+        host.send(command);
+        let (start, end) = (host.now, host.session.next_event().unwrap());
+        for share in [0.0, 0.25, 0.625, 1.0] {
+            // A snapshot is independent of the session, and of the time at which it is read.
+            let now = start + share * (end - start);
+            let state = host.session.snapshot().state_at(now);
+            assert_eq!(state.command.as_deref(), Some(command));
+            assert!((state.elapsed - 4.0 * (now - start)).abs() < 1e-9);
+            let planned = motion.sample_at(before + state.elapsed).positions;
+            let differs = state.positions.iter().zip(&planned).any(|(a, b)| (a - b).abs() > 1e-9);
+            assert!(!differs, "{command} at {}: {:?} {planned:?}", state.elapsed, state.positions);
+        }
+        before += 4.0 * (end - start);
+        host.now = end;
+        host.session.advance(end).unwrap();
+    }
+    let snapshot = host.session.snapshot();
+    let state = snapshot.state_at(host.now);
+    let slot = |name: &str| state.wafers.iter().find(|(one, _)| one == name).unwrap().1.slot();
+    assert_eq!(slot("wafer of LP1 3").map(|slot| slot.slot), Some(5));
+    assert_eq!(slot("wafer of LP1 4").map(|slot| slot.slot), Some(4));
+    // Frames have the names of the scene at the start.
+    let names = |snapshot: &HostSnapshot, now| {
+        let mut names: Vec<String> =
+            snapshot.frames_at(now).unwrap().into_iter().map(|frame| frame.name).collect();
+        names.sort_unstable();
+        names
+    };
+    host.execute("RESET");
+    assert_eq!(names(&snapshot, host.now), names(&host.session.snapshot(), host.now));
+    // The last commands are listed with what became of them; memory is bounded.
+    host.send("GET LP1 99 A");
+    let events = host.session.snapshot().events().to_vec();
+    assert!(matches!(events.last().unwrap().outcome, Outcome::Refused { .. }), "{events:?}");
+    assert_eq!(events[0].outcome, Outcome::Accepted { duration: motion_part(&events[1]) });
+    (0..100).for_each(|_| drop(host.send("NONSENSE")));
+    assert!(host.session.snapshot().events().len() <= 20);
+}
+
+/// Duration of a completed motion.
+fn motion_part(event: &HostEvent) -> f64 {
+    match event.outcome {
+        Outcome::Completed { duration } => duration,
+        _ => panic!("{event:?}"),
+    }
 }
 
 #[test]

@@ -16,6 +16,7 @@
 //! | `robot_file.rs` | the robot that the server was started with, and its file |
 //! | `text_file.rs` | reading and saving of edited text files |
 //! | `cell_files.rs` | cell file and program file |
+//! | `controller.rs` | the simulated controller that the page shows |
 //! | `mechanism_file.rs` | the mechanism that the server was started with |
 //! | `mechanism_source.rs`, `configuration.rs` | mechanisms of requests, and their configurations as documents |
 //! | `meshes.rs` | mesh files named in the robot file |
@@ -29,6 +30,7 @@
 mod body;
 mod cell_files;
 mod configuration;
+mod controller;
 mod guard;
 mod mechanism_file;
 mod mechanism_source;
@@ -52,6 +54,7 @@ mod wire;
 mod work;
 
 pub use cell_files::{CellFiles, EXAMPLE};
+pub use controller::{ControllerMonitor, HostPlace};
 pub use mechanism_file::MechanismFileOnDisk;
 pub use ping::ping;
 pub use robot_file::RobotFileOnDisk;

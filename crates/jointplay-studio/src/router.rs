@@ -16,9 +16,9 @@ use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
     cell, cell_entry, cell_export, cell_jog, cell_parts, cell_plan, cell_samples, cell_station,
-    compare, forward, inverse, mechanism, mechanism_export, mechanism_file, mechanism_mobility,
-    mechanism_motions, mechanism_open, mechanism_reach, mechanism_suggest, mesh, mobility, pose,
-    quantity, robot, robot_file, sensitivity, study,
+    compare, controller, forward, inverse, mechanism, mechanism_export, mechanism_file,
+    mechanism_mobility, mechanism_motions, mechanism_open, mechanism_reach, mechanism_suggest,
+    mesh, mobility, pose, quantity, robot, robot_file, sensitivity, study,
 };
 use crate::state::AppState;
 
@@ -75,6 +75,8 @@ fn api() -> OpenApiRouter<AppState> {
         .routes(routes!(cell_parts::window))
         .routes(routes!(cell_parts::scene))
         .routes(routes!(cell_jog::jog))
+        .routes(routes!(controller::controller))
+        .routes(routes!(controller::host))
 }
 
 /// The OpenAPI description of the server, as JSON text.

@@ -10,6 +10,7 @@ use tokio::runtime::{Builder, Runtime};
 use tokio::task::JoinHandle;
 
 use crate::cell_files::CellFiles;
+use crate::controller::ControllerMonitor;
 use crate::mechanism_file::{MechanismFileOnDisk, MechanismSession};
 use crate::meshes::MeshFolder;
 use crate::robot_file::RobotFileOnDisk;
@@ -92,6 +93,13 @@ impl Server {
     #[must_use]
     pub fn with_cell(mut self, files: CellFiles) -> Self {
         self.state.cell = Some(WorkcellSession::new(files));
+        self
+    }
+
+    /// Adds a simulated controller of the work cell, whose robots the page shows.
+    #[must_use]
+    pub fn with_controller(mut self, monitor: ControllerMonitor) -> Self {
+        self.state.controller = Some(monitor);
         self
     }
 

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use axum::http::StatusCode;
 use jointplay::format::robot::Robot;
 
+use crate::controller::ControllerMonitor;
 use crate::mechanism_file::MechanismSession;
 use crate::meshes::MeshFolder;
 use crate::problem::Problem;
 use crate::robot_file::{RobotSession, unlimited};
 use crate::session::WorkcellSession;
+use crate::wire::robot::StartedWith;
 use crate::wire::robot_file::RobotSource;
 use crate::work::{Deadlines, WorkerPool};
 
@@ -21,6 +23,8 @@ pub(crate) struct AppState {
     pub(crate) meshes: MeshFolder,
     /// The work cell; `None` for a server that was started without one.
     pub(crate) cell: Option<WorkcellSession>,
+    /// The simulated controller; `None` for a server that was started without one.
+    pub(crate) controller: Option<ControllerMonitor>,
     /// The mechanism; `None` for a server that was started without one.
     pub(crate) mechanism: Option<MechanismSession>,
 }
@@ -32,7 +36,16 @@ impl AppState {
             work: WorkerPool::new(deadlines),
             meshes,
             cell: None,
+            controller: None,
             mechanism: None,
+        }
+    }
+
+    pub(crate) fn started_with(&self) -> StartedWith {
+        StartedWith {
+            cell: self.cell.is_some(),
+            controller: self.controller.is_some(),
+            mechanism: self.mechanism.is_some(),
         }
     }
 
@@ -51,6 +64,18 @@ impl AppState {
     pub(crate) fn mechanism(&self) -> Result<MechanismSession, Problem> {
         self.mechanism.clone().ok_or_else(|| {
             let detail = "this server was started without a mechanism; start it with `jointplay studio FILE`";
+            Problem::request(StatusCode::NOT_FOUND, detail)
+        })
+    }
+
+    /// The simulated controller.
+    ///
+    /// # Errors
+    /// 404 for a server without a controller.
+    pub(crate) fn controller(&self) -> Result<ControllerMonitor, Problem> {
+        self.controller.clone().ok_or_else(|| {
+            let detail =
+                "this server has no controller; start it with `jointplay cell serve --studio`";
             Problem::request(StatusCode::NOT_FOUND, detail)
         })
     }

@@ -247,6 +247,19 @@ export async function cellSamples(texts: CellTexts, [from_s, to_s]: readonly [nu
   return response.body;
 }
 
+export type ControllerDocument = Schemas['ControllerDocument'];
+export type HostDocument = Schemas['HostDocument'];
+
+/** The simulated controller and its connected hosts. */
+export async function controller(): Promise<ControllerDocument> {
+  return json(request('controller'));
+}
+
+/** The robot of a host of the controller at this time. */
+export async function hostOfController(number: number): Promise<HostDocument> {
+  return json(request(`controller/hosts/${number}`));
+}
+
 /** Contents of a window of a motion. */
 export async function cellWindow(key: string): Promise<ArrayBuffer> {
   return buffer(request(`cell/windows/${key}`));

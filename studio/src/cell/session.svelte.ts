@@ -8,6 +8,7 @@ import { toCellHash, type CellLink, type CellTab } from '../lib/cellLink';
 import { History } from '../lib/history';
 import { slotNames, stationOf } from '../lib/slots';
 import { CONTACT_FIELD, contactNoteLine, type ContactRequest } from './contactNote';
+import { ControllerMonitor } from './controllerMonitor.svelte';
 import { JogController } from './jogController.svelte';
 import { TextChanges } from './textChanges.svelte';
 import { UnknownPlan, Timeline } from './timeline.svelte';
@@ -85,6 +86,7 @@ export class WorkcellSession {
   requestedLine = $state.raw<{ line: number; kind: 'program' | 'cell' } | null>(null);
   readonly jog = new JogController(this);
   readonly tools = new ViewTools();
+  readonly controller = new ControllerMonitor();
   /** Corners of the box around the displayed cell [m]; `null` without one. */
   extent = $state.raw<[number[], number[]] | null>(null);
   /** The open text or list. */
@@ -567,6 +569,7 @@ export class WorkcellSession {
   }
 
   seek(time: number): void {
+    this.controller.shown = false;
     this.time = Math.min(Math.max(time, 0), this.duration);
     this.jog.release();
     if (!this.playing) this.jog.refresh();
@@ -580,6 +583,7 @@ export class WorkcellSession {
   play(): void {
     if (this.playing || this.duration === 0) return;
     if (this.time >= this.duration) this.time = 0;
+    this.controller.shown = false;
     this.jog.release();
     this.playing = true;
     this.#last = performance.now();

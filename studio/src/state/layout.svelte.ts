@@ -15,6 +15,9 @@ export type PanelName = (typeof PANELS)[number];
 /** Panels of the cell view in their initial order. */
 export const CELL_PANELS = ['check', 'play', 'jog', 'stations'] as const;
 export type CellPanelName = (typeof CELL_PANELS)[number];
+/** Panels of the cell view of a server with a simulated controller. */
+export const CONTROLLER_PANELS = ['controller', ...CELL_PANELS] as const;
+export type ControllerPanelName = (typeof CONTROLLER_PANELS)[number];
 
 /** Panels of the view of mechanisms in their initial order. */
 export const MECHANISM_PANELS = ['joints', 'point', 'mobility', 'motions', 'suggest', 'modes', 'comparison', 'parameters'] as const;
@@ -43,7 +46,10 @@ class Layout {
   readonly #lastPart = load<Part>('part', 'cell', isPart);
   plotsHeight = $state(load('plotsHeight', 300, (value) => typeof value === 'number' && value >= 160));
   readonly panels = new PanelLayout('', PANELS, ['left', 'right']);
-  readonly cellPanels = new PanelLayout('cell.', CELL_PANELS, ['right']);
+  readonly #cellPanels = new PanelLayout('cell.', CELL_PANELS, ['right']);
+  readonly #controllerPanels = new PanelLayout('controller.', CONTROLLER_PANELS, ['right']);
+  /** Whether the server has a simulated controller. */
+  controller = $state(false);
   readonly mechanismPanels = new PanelLayout('mechanism.', MECHANISM_PANELS, ['right']);
   docksShown = $state(load('docksShown', true, flag));
   /** Whether the axis plots of the cell are visible, and the height of chart and plots [px]. */
@@ -67,6 +73,10 @@ class Layout {
   handles = $state(load('handles', true, flag));
   /** The maximized plot. */
   maximizedPlot = $state<string | null>(null);
+
+  get cellPanels(): PanelLayout {
+    return this.controller ? this.#controllerPanels : this.#cellPanels;
+  }
 
   /** The view for a server with or without a mechanism and a cell. */
   part({ mechanism, cell }: { mechanism: boolean; cell: boolean }): Part {

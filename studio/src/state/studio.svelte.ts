@@ -111,6 +111,8 @@ export class Studio {
     try {
       const robot = await api.robot();
       const first = this.robot === null;
+      layout.controller = robot.controller;
+      if (robot.controller) layout.chosenPart ??= 'cell';
       // An edited robot remains.
       if (this.file.source === null) this.robot = robot;
       if (first) this.#openLink(window.location.hash || load(this.#linkKey, '', (value) => typeof value === 'string'));

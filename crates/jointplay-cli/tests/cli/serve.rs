@@ -11,6 +11,8 @@ use crate::sandbox::Sandbox;
 struct Controller {
     child: Child,
     address: String,
+    /// Address of the page.
+    studio: Option<String>,
 }
 
 impl Controller {
@@ -23,7 +25,8 @@ impl Controller {
             assert!(output.read_line(&mut text).unwrap() > 0, "{text}");
         }
         let shown: serde_json::Value = serde_json::from_str(&text).unwrap();
-        Self { child, address: shown["address"].as_str().unwrap().to_owned() }
+        let text = |key: &str| shown[key].as_str().map(str::to_owned);
+        Self { child, address: text("address").unwrap(), studio: text("studio") }
     }
 
     fn connect(&self) -> Host {
@@ -84,6 +87,49 @@ fn hosts_have_a_robot_each_and_get_answers_in_order() {
     one.send(b"TUS\r\n\n\rSTATUS\r");
     assert!(one.line().starts_with("STATUS idle"));
     assert!(one.line().starts_with("STATUS idle"));
+}
+
+/// The document that a page of this machine answers.
+#[cfg(feature = "studio")]
+fn fetch(url: &str, path: &str, body: &str) -> serde_json::Value {
+    let host = url.trim_start_matches("http://").trim_end_matches('/');
+    let method = if body.is_empty() { "GET" } else { "POST" };
+    let mut stream = TcpStream::connect(host).unwrap();
+    let length = body.len();
+    let request = format!(
+        "{method} /api/v1/{path} HTTP/1.0\r\nHost: {host}\r\nContent-Type: application/json\r\nContent-Length: {length}\r\n\r\n{body}"
+    );
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    let (_, body) = answer.split_once("\r\n\r\n").unwrap();
+    serde_json::from_str(body).unwrap()
+}
+
+#[cfg(feature = "studio")]
+#[test]
+fn the_studio_shows_each_robot_where_its_motion_is_planned() {
+    let sandbox = Sandbox::new();
+    // At this speed, the motion takes minutes.
+    let controller = Controller::start(&sandbox, "--speed 0.01 --studio --studio-port 0");
+    let page = controller.studio.clone().unwrap();
+    let mut one = controller.connect();
+    assert!(one.line().starts_with("READY "));
+    let mut other = controller.connect();
+    assert!(other.line().starts_with("READY "));
+    assert!(one.ask("GET LP1 3 A").starts_with("ACCEPTED "));
+    let moving = loop {
+        let found = fetch(&page, "controller/hosts/1", "");
+        if found["elapsed_s"].as_f64().unwrap() > 0.0 {
+            break found;
+        }
+    };
+    assert_eq!(moving["command"], "GET LP1 3 A");
+    let elapsed = &moving["elapsed_s"];
+    let asked = format!(r#"{{"program": "GET LP1 SLOT 3 WITH A", "time_s": {elapsed}}}"#);
+    let planned = fetch(&page, "cell/jog", &asked);
+    assert_eq!(moving["axes"], planned["axes"]);
+    assert_eq!(fetch(&page, "controller/hosts/2", "")["command"], serde_json::Value::Null);
 }
 
 /// The lines that a text shows below `nc`.

@@ -36,7 +36,7 @@ pub fn write(mechanism: &Mechanism, source: Option<&str>) -> String {
         write_virtual_joint(&mut file, mechanism, joint, Units::SI);
     }
     for coupling in mechanism.couplings() {
-        write_coupling(&mut file, mechanism, coupling);
+        write_coupling(&mut file, coupling, &|one| coordinate_name(mechanism, one));
     }
     for frame in mechanism.frames() {
         file.push_str("\n[[frame]]\n");
@@ -53,12 +53,12 @@ pub fn write(mechanism: &Mechanism, source: Option<&str>) -> String {
 ///
 /// # Arguments
 /// * `links` – names of the links to which the joints refer
-/// * `couplings` – with the mechanism whose coordinates they have
+/// * `couplings` – with the names of their coordinates
 #[must_use]
 pub fn write_loops(
     links: &[String],
     joints: &[Joint],
-    (mechanism, couplings): (&Mechanism, &[Coupling]),
+    (couplings, coordinate): (&[Coupling], &dyn Fn(JointCoordinate) -> String),
 ) -> String {
     let mut file = "kind = \"loops\"\n".to_owned();
     line(&mut file, "units", "{ length = \"m\", angle = \"rad\" }");
@@ -66,7 +66,7 @@ pub fn write_loops(
         write_joint(&mut file, links, joint);
     }
     for coupling in couplings {
-        write_coupling(&mut file, mechanism, coupling);
+        write_coupling(&mut file, coupling, coordinate);
     }
     file
 }
@@ -150,16 +150,21 @@ pub(super) fn write_virtual_joint(
     }
 }
 
-fn write_coupling(file: &mut String, mechanism: &Mechanism, coupling: &Coupling) {
-    let name = |one: JointCoordinate| {
-        let joint = &mechanism.joints()[one.joint];
-        let several = joint.kind.freedoms() > 1;
-        quoted(&if several {
-            format!("{}[{}]", joint.name, one.freedom)
-        } else {
-            joint.name.clone()
-        })
-    };
+/// Name of a coordinate in files: that of its joint, with an index for a joint with several coordinates.
+fn coordinate_name(mechanism: &Mechanism, one: JointCoordinate) -> String {
+    let joint = &mechanism.joints()[one.joint];
+    match joint.kind.freedoms() > 1 {
+        true => format!("{}[{}]", joint.name, one.freedom),
+        false => joint.name.clone(),
+    }
+}
+
+fn write_coupling(
+    file: &mut String,
+    coupling: &Coupling,
+    coordinate: &dyn Fn(JointCoordinate) -> String,
+) {
+    let name = |one: JointCoordinate| quoted(&coordinate(one));
     file.push_str("\n[[coupling]]\n");
     line(file, "name", quoted(&coupling.name));
     line(file, "coordinate", name(coupling.follower));

@@ -1,5 +1,13 @@
 //! Why a command of a host is refused.
 
+use jointplay_cell::PlanError;
+use jointplay_cell::controller::Refusal;
+use jointplay_cell::workcell::Cell;
+use jointplay_format::cell::explain_trajectory::explain_step;
+use jointplay_format::program;
+
+use crate::export::violation_notes;
+
 /// Kind of a refusal; its number is the code in answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RefusalReason {
@@ -82,5 +90,34 @@ pub(super) struct Refused {
 impl Refused {
     pub(super) fn new(reason: RefusalReason, text: impl Into<String>) -> Self {
         Self { reason, text: text.into() }
+    }
+    /// The refusal of a program, whose text is given, by the controller.
+    pub(super) fn of(refusal: Refusal, cell: &Cell, text: &str) -> Self {
+        let robot = &cell.robot;
+        match refusal {
+            Refusal::Plan(PlanError::Program(errors)) => {
+                let is_infeasible = errors.iter().all(|one| one.problem.is_infeasible());
+                let explained = errors.first().map(|one| program::explain(robot, text, one));
+                let why = explained.map_or_else(String::new, |error| error.to_string());
+                let reason = match is_infeasible {
+                    true => RefusalReason::Unreachable,
+                    false => RefusalReason::Invalid,
+                };
+                Self::new(reason, why)
+            }
+            Refusal::Plan(PlanError::Trajectory(error)) => {
+                let step = error.steps.first().map(|one| explain_step(robot, one));
+                Self::new(RefusalReason::Unreachable, step.unwrap_or_default())
+            }
+            Refusal::Plan(error) => Self::new(RefusalReason::Invalid, error.to_string()),
+            Refusal::Violations(report) => {
+                let notes = violation_notes(cell, &report);
+                let first = notes.into_iter().next().map(|note| note.message);
+                // The line is that of the command's own program.
+                let first = first.unwrap_or_default();
+                let why = first.split_once(": ").map_or(first.as_str(), |(_, why)| why);
+                Self::new(RefusalReason::Violation, why)
+            }
+        }
     }
 }

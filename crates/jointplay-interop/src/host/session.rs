@@ -1,12 +1,13 @@
 //! The session of a host: commands in, answers out.
 
-use jointplay_cell::controller::{Controller, Execution, Refusal};
+use std::sync::Arc;
+
+use jointplay_cell::controller::{Controller, Execution};
 use jointplay_cell::program::{WaferLocation, WaferLocations};
 use jointplay_cell::robot::AxisKind;
 use jointplay_cell::station::SlotId;
 use jointplay_cell::workcell::Cell;
-use jointplay_cell::{InvalidPart, PlanError, PlanOptions};
-use jointplay_format::cell::explain_trajectory::explain_step;
+use jointplay_cell::{InvalidPart, PlanOptions};
 use jointplay_format::place::Error;
 use jointplay_format::program;
 
@@ -16,8 +17,8 @@ use super::language::HostLanguage;
 use super::pattern::{Values, Vocabulary};
 use super::read::{program_text, unit_of};
 use super::refusal::{Mismatch, RefusalReason, Refused};
+use super::snapshot::{EventLog, Executed, HostSnapshot, Outcome};
 use crate::controller_text::{Codes, Output, Problem, Template, Value, count, one_line};
-use crate::export::violation_notes;
 
 /// Longest accepted line of a host (bytes), without its end.
 pub const MAX_LINE_BYTES: usize = 1_000;
@@ -38,6 +39,7 @@ pub struct HostSession<'l> {
     /// Number of received lines.
     received: usize,
     moving: Option<Moving>,
+    log: EventLog,
 }
 
 /// A command of a host.
@@ -51,7 +53,7 @@ struct Request {
 /// A program in execution.
 struct Moving {
     request: Request,
-    execution: Execution,
+    execution: Arc<Execution>,
     /// When it started, by the caller's clock (s).
     start: f64,
     /// Time of the motion at which it ends (s).
@@ -77,7 +79,20 @@ impl<'l> HostSession<'l> {
     ) -> Result<Self, Vec<InvalidPart>> {
         let controller = Controller::new(cell)?;
         let output = Output::new(&language.output);
-        Ok(Self { language, controller, speed, output, received: 0, moving: None })
+        let log = EventLog::default();
+        Ok(Self { language, controller, speed, output, received: 0, moving: None, log })
+    }
+
+    /// The robot until the next event of this session, for observers.
+    #[must_use]
+    pub fn snapshot(&self) -> HostSnapshot {
+        let executed = self.moving.as_ref().map(|moving| Executed {
+            command: moving.request.text.clone(),
+            execution: Arc::clone(&moving.execution),
+            start: moving.start,
+            end: moving.end,
+        });
+        HostSnapshot::new(&self.controller, executed, self.speed, &self.log)
     }
 
     /// The answer to a new connection.
@@ -107,19 +122,22 @@ impl<'l> HostSession<'l> {
     /// # Errors
     /// An expression of a template without a value.
     pub fn advance(&mut self, now: f64) -> Result<String, Error<Problem>> {
+        self.log.now = now;
         if self.next_event().is_some_and(|end| end <= now)
             && let Some(moving) = self.moving.take()
         {
-            let lines = match moving.last_step {
+            let duration = moving.end;
+            let (lines, outcome) = match moving.last_step {
                 Some(step) => {
                     self.controller.stop_after(&moving.execution, step);
-                    &self.language.answer.stopped
+                    (&self.language.answer.stopped, Outcome::Stopped { duration })
                 }
                 None => {
                     self.controller.complete(&moving.execution);
-                    &self.language.answer.completed
+                    (&self.language.answer.completed, Outcome::Completed { duration })
                 }
             };
+            self.log.push(&moving.request.text, outcome);
             self.answer(lines, &moving.request, |_| Value::Real(moving.end))?;
         }
         Ok(self.take())
@@ -293,6 +311,8 @@ impl<'l> HostSession<'l> {
                 let end = execution.trajectory.duration();
                 let lines = &self.language.answer.accepted;
                 self.answer(lines, &request, |_| Value::Real(end))?;
+                self.log.push(&request.text, Outcome::Accepted { duration: end });
+                let execution = Arc::new(execution);
                 self.moving = Some(Moving { request, execution, start: now, end, last_step: None });
                 // A program without motion, such as a setting of the speed, ends at once.
                 let text = self.take();
@@ -311,32 +331,7 @@ impl<'l> HostSession<'l> {
             invalid(errors.first().map_or_else(String::new, ToString::to_string))
         })?;
         let planned = self.controller.plan(&program, &PlanOptions::default());
-        let robot = &self.controller.cell().robot;
-        planned.map_err(|refusal| match refusal {
-            Refusal::Plan(PlanError::Program(errors)) => {
-                let is_infeasible = errors.iter().all(|one| one.problem.is_infeasible());
-                let explained = errors.first().map(|one| program::explain(robot, text, one));
-                let why = explained.map_or_else(String::new, |error| error.to_string());
-                let reason = match is_infeasible {
-                    true => RefusalReason::Unreachable,
-                    false => RefusalReason::Invalid,
-                };
-                Refused::new(reason, why)
-            }
-            Refusal::Plan(PlanError::Trajectory(error)) => {
-                let step = error.steps.first().map(|one| explain_step(robot, one));
-                Refused::new(RefusalReason::Unreachable, step.unwrap_or_default())
-            }
-            Refusal::Plan(error) => invalid(error.to_string()),
-            Refusal::Violations(report) => {
-                let notes = violation_notes(self.controller.cell(), &report);
-                let first = notes.into_iter().next().map(|note| note.message);
-                // The line is that of the command's own program.
-                let first = first.unwrap_or_default();
-                let why = first.split_once(": ").map_or(first.as_str(), |(_, why)| why);
-                Refused::new(RefusalReason::Violation, why)
-            }
-        })
+        planned.map_err(|refusal| Refused::of(refusal, self.controller.cell(), text))
     }
 
     fn act(&mut self, request: &Request, action: Action, values: &Values, now: f64) -> Answered {
@@ -366,6 +361,7 @@ impl<'l> HostSession<'l> {
             }
             Action::Reset => {
                 self.controller.reset();
+                self.log.push(&request.text, Outcome::Completed { duration: 0.0 });
                 let lines = &self.language.answer.completed;
                 self.answer(lines, request, |_| Value::Real(0.0))
             }
@@ -432,7 +428,7 @@ impl<'l> HostSession<'l> {
         match &self.moving {
             Some(moving) => {
                 let time = (now - moving.start) * self.speed;
-                self.controller.locations_at(&moving.execution, time)
+                moving.execution.locations_at(self.controller.cell(), time)
             }
             None => self.controller.locations(),
         }
@@ -444,6 +440,8 @@ impl<'l> HostSession<'l> {
     }
 
     fn refuse(&mut self, request: &Request, refused: &Refused) -> Answered {
+        let (reason, message) = (refused.reason, one_line(&refused.text));
+        self.log.push(&request.text, Outcome::Refused { reason, message });
         let lines = &self.language.answer.refused;
         self.answer(lines, request, |name| match name {
             "code" => Value::Integer(refused.reason.code()),

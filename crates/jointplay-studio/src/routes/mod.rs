@@ -9,6 +9,7 @@ pub(crate) mod cell_plan;
 pub(crate) mod cell_samples;
 pub(crate) mod cell_station;
 pub(crate) mod compare;
+pub(crate) mod controller;
 pub(crate) mod forward;
 pub(crate) mod inverse;
 mod lookup;

@@ -14,5 +14,5 @@ use crate::wire::robot::RobotDocument;
     responses((status = 200, description = "The robot", body = RobotDocument))
 )]
 pub(crate) async fn robot(State(state): State<AppState>) -> Json<RobotDocument> {
-    Json(RobotDocument::new(&state.robot.robot(), state.cell.is_some(), state.mechanism.is_some()))
+    Json(RobotDocument::new(&state.robot.robot(), state.started_with()))
 }

@@ -10,7 +10,7 @@ use crate::cell_files::SaveError;
 use crate::problem::Problem;
 use crate::robot_file::RobotFileOnDisk;
 use crate::state::AppState;
-use crate::wire::robot::RobotDocument;
+use crate::wire::robot::{RobotDocument, StartedWith};
 use crate::wire::robot_file::{
     DimensionExpression, MAX_CHANGES, OpenRobotRequest, OpenedRobotDocument, RobotFileDocument,
     RobotParameter, SaveRobotRequest,
@@ -92,15 +92,11 @@ pub(crate) async fn open_robot(
     State(state): State<AppState>,
     Body(request): Body<OpenRobotRequest>,
 ) -> Result<Json<OpenedRobotDocument>, Problem> {
-    let (cell, mechanism) = (state.cell.is_some(), state.mechanism.is_some());
-    state.work.run(move || open(request, cell, mechanism)).await.map(Json)
+    let parts = state.started_with();
+    state.work.run(move || open(request, parts)).await.map(Json)
 }
 
-fn open(
-    request: OpenRobotRequest,
-    cell: bool,
-    mechanism: bool,
-) -> Result<OpenedRobotDocument, Problem> {
+fn open(request: OpenRobotRequest, parts: StartedWith) -> Result<OpenedRobotDocument, Problem> {
     let OpenRobotRequest { robot: mut source, changes } = request;
     if changes.len() > MAX_CHANGES {
         let detail =
@@ -116,7 +112,7 @@ fn open(
             .map_err(|errors| Problem::field("changes", errors.to_string()))?;
     }
     let (robot, diagnostics) = match source.parse() {
-        Ok(robot) => (Some(RobotDocument::new(&robot, cell, mechanism)), Vec::new()),
+        Ok(robot) => (Some(RobotDocument::new(&robot, parts)), Vec::new()),
         Err(errors) => (None, errors.iter().map(Into::into).collect()),
     };
     let Dimensions { parameters, expressions } = robot::dimensions(&source.text);

@@ -21,6 +21,18 @@ fn positions(document: &Value) -> Vec<f64> {
 }
 
 #[test]
+fn a_robot_whose_program_has_no_motion_is_jogged_from_home() {
+    let server = server(CellFiles::example());
+    for program in ["", "HOME\n", "SPEED 50 %\n"] {
+        let answer = ask(&server, Method::POST, "cell/jog", &json!({ "program": program }));
+        assert_eq!(answer.status, StatusCode::OK, "{program:?}");
+        for axis in answer.json()["axes"].as_array().unwrap() {
+            assert_eq!(axis["position"], axis["home"], "{program:?}");
+        }
+    }
+}
+
+#[test]
 fn a_jog_starts_at_the_pose_of_the_program() {
     let server = server(CellFiles::example());
     let home = jog(&server, json!({}));

@@ -12,6 +12,7 @@ pub(crate) mod cell_parts;
 pub(crate) mod cell_pose;
 pub(crate) mod cell_samples;
 mod command;
+pub(crate) mod controller;
 pub(crate) mod mechanism;
 pub(crate) mod mechanism_view;
 mod model;

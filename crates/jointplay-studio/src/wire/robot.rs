@@ -8,6 +8,14 @@ use utoipa::ToSchema;
 
 use super::{ModelChoice, Pair};
 
+/// The parts with which a server was started.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StartedWith {
+    pub(crate) cell: bool,
+    pub(crate) controller: bool,
+    pub(crate) mechanism: bool,
+}
+
 /// The robot of this server.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct RobotDocument {
@@ -41,6 +49,8 @@ pub(crate) struct RobotDocument {
     pub(crate) default_model: ModelChoice,
     /// Whether this server has a work cell.
     pub(crate) cell: bool,
+    /// Whether this server shows the robots of a simulated controller.
+    pub(crate) controller: bool,
     /// Whether this server was started with a mechanism.
     pub(crate) mechanism: bool,
     /// File formats of time series that this build supports.
@@ -166,7 +176,7 @@ pub(crate) enum MotionName {
 }
 
 impl RobotDocument {
-    pub(crate) fn new(robot: &Robot, cell: bool, mechanism: bool) -> Self {
+    pub(crate) fn new(robot: &Robot, parts: StartedWith) -> Self {
         let gpr = &robot.gpr;
         let limbs = gpr.limbs().into_iter().zip(gpr.platform().sockets());
         let limits = gpr.limits();
@@ -197,8 +207,9 @@ impl RobotDocument {
                 "/api/v1/meshes/platform",
             ),
             default_model: ModelChoice::default(),
-            cell,
-            mechanism,
+            cell: parts.cell,
+            controller: parts.controller,
+            mechanism: parts.mechanism,
             series_formats: SeriesFormat::available(),
         }
     }

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use jointplay::cell::workcell::Cell;
 use jointplay::interop::host::{HostLanguage, HostSession, MAX_LINE_BYTES};
 
+use super::monitor::{HostPlace, Monitor};
 use crate::failure::Failure;
 
 /// Largest number of hosts at a time; each has a robot of its own.
@@ -35,6 +36,8 @@ pub(super) struct Hosts {
     pub(super) speed: f64,
     /// Token that a host sends first.
     pub(super) token: Option<String>,
+    /// Shows the robots of all hosts in the studio.
+    pub(super) monitor: Option<Monitor>,
 }
 
 /// A controller that listens.
@@ -125,7 +128,41 @@ fn serve(stream: &TcpStream, hosts: &Hosts, connected: &Places, waiting: Place) 
     let Ok(mut session) = session else { return Ok(()) };
     let (sender, lines) = sync_channel(LINES_AHEAD);
     thread::spawn(move || read(reader, &sender));
-    converse(stream, &mut session, &lines)
+    let start = Instant::now();
+    let place = hosts.monitor.as_ref().map(|monitor| {
+        let peer = stream.peer_addr().map_or_else(|_| String::new(), |peer| peer.to_string());
+        monitor.connect(peer, start, session.snapshot())
+    });
+    converse(stream, &mut Conversation { session: &mut session, start, place }, &lines)
+}
+
+/// A session with its clock, and its place in the studio.
+struct Conversation<'a, 'l> {
+    session: &'a mut HostSession<'l>,
+    start: Instant,
+    place: Option<HostPlace>,
+}
+
+impl Conversation<'_, '_> {
+    /// Time since the start of the session (s).
+    fn now(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// Time until the next event of the session; without one, the longest wait.
+    fn wait(&self) -> Duration {
+        self.session.next_event().map_or(LONGEST_WAIT, |time| {
+            let wait = (time - self.now()).clamp(0.0, LONGEST_WAIT.as_secs_f64());
+            Duration::from_secs_f64(wait)
+        })
+    }
+
+    /// Shows the robot after an event.
+    fn show(&self) {
+        if let Some(place) = &self.place {
+            place.update(self.session.snapshot());
+        }
+    }
 }
 
 /// Whether the first line of a host is the token, sent in time.
@@ -165,42 +202,36 @@ fn read(mut reader: BufReader<TcpStream>, lines: &SyncSender<Received>) {
 /// Answers lines, and reports completions when they are due.
 fn converse(
     mut stream: &TcpStream,
-    session: &mut HostSession<'_>,
+    conversation: &mut Conversation<'_, '_>,
     lines: &Receiver<Received>,
 ) -> io::Result<()> {
-    let start = Instant::now();
-    let now = || start.elapsed().as_secs_f64();
-    let write = |mut stream: &TcpStream, text: String| stream.write_all(text.as_bytes());
     // A template without a value, such as a division by zero, ends the session.
-    let text = session.welcome().map_err(io::Error::other)?;
-    write(stream, text)?;
+    let text = conversation.session.welcome().map_err(io::Error::other)?;
+    stream.write_all(text.as_bytes())?;
     loop {
-        let wait = session.next_event().map_or(LONGEST_WAIT, |time| {
-            let wait = (time - now()).clamp(0.0, LONGEST_WAIT.as_secs_f64());
-            Duration::from_secs_f64(wait)
-        });
-        let text = match lines.recv_timeout(wait) {
-            Ok(Received::Line(line)) => session.receive(&line, now()),
-            Ok(Received::TooLong) => session.receive_too_long(now()),
-            Err(RecvTimeoutError::Timeout) => session.advance(now()),
-            Err(RecvTimeoutError::Disconnected) => return finish(stream, session, &now),
+        let received = lines.recv_timeout(conversation.wait());
+        let now = conversation.now();
+        let text = match received {
+            Ok(Received::Line(line)) => conversation.session.receive(&line, now),
+            Ok(Received::TooLong) => conversation.session.receive_too_long(now),
+            Err(RecvTimeoutError::Timeout) => conversation.session.advance(now),
+            Err(RecvTimeoutError::Disconnected) => return finish(stream, conversation),
         };
-        write(stream, text.map_err(io::Error::other)?)?;
+        conversation.show();
+        stream.write_all(text.map_err(io::Error::other)?.as_bytes())?;
         stream.flush()?;
     }
 }
 
 /// Reports the completion of a motion to a host that sends no more lines, if it ends soon.
-fn finish(
-    mut stream: &TcpStream,
-    session: &mut HostSession<'_>,
-    now: &impl Fn() -> f64,
-) -> io::Result<()> {
+fn finish(mut stream: &TcpStream, conversation: &mut Conversation<'_, '_>) -> io::Result<()> {
     // A closed connection cannot be distinguished from one that only sends no more: the wait is limited.
-    let last = now() + LAST_ANSWER_TIME.as_secs_f64();
-    while let Some(time) = session.next_event().filter(|&time| time <= last) {
-        thread::sleep(Duration::from_secs_f64((time - now()).max(0.0)));
-        let text = session.advance(now()).map_err(io::Error::other)?;
+    let last = conversation.now() + LAST_ANSWER_TIME.as_secs_f64();
+    while conversation.session.next_event().is_some_and(|time| time <= last) {
+        thread::sleep(conversation.wait());
+        let now = conversation.now();
+        let text = conversation.session.advance(now).map_err(io::Error::other)?;
+        conversation.show();
         stream.write_all(text.as_bytes())?;
     }
     Ok(())

@@ -133,6 +133,12 @@ impl CellArgs {
         self.file.as_deref() == Some(Path::new(STANDARD))
     }
 
+    /// Path of the cell file; `None` for the example.
+    #[cfg(feature = "studio")]
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.file.as_deref().filter(|_| !self.is_example())
+    }
+
     fn is_example(&self) -> bool {
         self.file.as_ref().is_none_or(|path| path == Path::new(EXAMPLE) && !path.exists())
     }

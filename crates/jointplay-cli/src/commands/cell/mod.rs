@@ -8,6 +8,7 @@ mod expand;
 mod export;
 mod format;
 mod input;
+mod monitor;
 mod optimise;
 mod optimise_log;
 mod pictures;

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::connection::{Hosts, Server};
 use super::input::CellArgs;
+use super::monitor::{Monitor, Page, StudioArgs};
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::source::{label, read_text};
@@ -28,6 +29,7 @@ Examples:
   jointplay cell serve
   jointplay cell serve tool.toml --listen 127.0.0.1:7000 --speed 10
   jointplay cell serve tool.toml --language my-controller.toml
+  jointplay cell serve tool.toml --studio
 
   $ nc 127.0.0.1 7000
   READY Dual arm with shared T: q1 q2 q3 T RA RB
@@ -51,6 +53,8 @@ pub(super) struct Serve {
     /// File with the token that hosts send as their first line; required for addresses of other machines
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
+    #[command(flatten)]
+    studio: StudioArgs,
 }
 
 fn speed(text: &str) -> Result<f64, String> {
@@ -66,6 +70,9 @@ fn speed(text: &str) -> Result<f64, String> {
 struct Address {
     address: String,
     language: String,
+    /// Address of the page that shows the robots of the hosts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    studio: Option<String>,
 }
 
 impl Serve {
@@ -85,12 +92,21 @@ impl Serve {
             ))
         })?;
         let address = listener.local_addr()?.to_string();
-        let shown = Address { address, language: language.name.clone() };
-        self.cell.format.print(&shown, |Address { address, language }| {
-            format!("controller: {address}, language {language}\n  press Ctrl-C to stop\n")
+        let monitor = || Monitor::new(address.clone(), language.name.clone(), self.speed);
+        let page = self.studio.page(&self.cell, monitor)?;
+        let studio = page.as_ref().map(Page::url);
+        let shown = Address { address: address.clone(), language: language.name.clone(), studio };
+        self.cell.format.print(&shown, |Address { address, language, studio }| {
+            let studio = studio.as_ref().map_or_else(String::new, |url| format!("studio: {url}\n"));
+            format!("controller: {address}, language {language}\n{studio}  press Ctrl-C to stop\n")
         })?;
-        let hosts = Hosts { cell: source.cell, language, speed: self.speed, token };
-        Server::new(listener, hosts).run()
+        let monitor = page.as_ref().map(Page::monitor);
+        let hosts = Hosts { cell: source.cell, language, speed: self.speed, token, monitor };
+        let server = Server::new(listener, hosts);
+        match page {
+            Some(page) => page.run(server),
+            None => server.run(),
+        }
     }
 
     fn language(&self) -> Result<HostLanguage, Failure> {

@@ -206,7 +206,7 @@ impl<'a> Skeleton<'a> {
         self.bodies.len() - 1
     }
 
-    /// The name of a coordinate: that of its joint, with an index if the joint has several motions.
+    /// The name of a coordinate: that of its joint, with an index if the joint has several motions; a name that mechanism files allow, so that it is kept by importers.
     pub(super) fn motion_name(&self, coordinate: usize) -> String {
         let mechanism = self.mechanism;
         let mut first = 0;
@@ -215,12 +215,22 @@ impl<'a> Skeleton<'a> {
             if coordinate < first + count {
                 return match joint.kind.factors().len() {
                     1 => joint.name.clone(),
-                    _ => format!("{}[{}]", joint.name, coordinate - first),
+                    _ => self.free_name(format!("{}({})", joint.name, coordinate - first)),
                 };
             }
             first += count;
         }
         mechanism.virtual_joints()[coordinate - first].name.clone()
+    }
+
+    /// A generated name, with a number if a joint has it.
+    fn free_name(&self, name: String) -> String {
+        let joints = self.mechanism.joints().iter().map(|joint| &joint.name);
+        let taken: Vec<&String> =
+            joints.chain(self.mechanism.virtual_joints().iter().map(|one| &one.name)).collect();
+        let numbered = (2..).map(|number| format!("{name} ({number})"));
+        let mut names = std::iter::once(name.clone()).chain(numbered);
+        names.find(|name| !taken.contains(&name)).expect("joints are finitely many")
     }
 
     /// Index of a coordinate of a joint.

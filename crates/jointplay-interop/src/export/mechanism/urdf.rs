@@ -2,7 +2,8 @@
 
 use jointplay_core::mechanism::joint::Factor;
 use jointplay_core::mechanism::{
-    Coupling, ElementaryMotion, FrameId, Joint, JointKind, LinearAndAngular, Mechanism,
+    Coupling, ElementaryMotion, FrameId, Joint, JointCoordinate, JointKind, LinearAndAngular,
+    Mechanism,
 };
 use jointplay_core::spatial::Pose;
 use jointplay_format::mechanism::{allowed_joint_name, write_loops};
@@ -350,5 +351,13 @@ fn loops(skeleton: &Skeleton<'_>, couplings: &[Coupling]) -> Option<String> {
         });
     }
     let is_needed = !joints.is_empty() || !couplings.is_empty();
-    is_needed.then(|| write_loops(&names, &joints, (skeleton.mechanism, couplings)))
+    // A joint that is not split has its coordinates in the file of loops.
+    let coordinate = |one: JointCoordinate| {
+        let joint = &skeleton.mechanism.joints()[one.joint];
+        match skeleton.whole_closures.contains(&one.joint) && joint.kind.freedoms() > 1 {
+            true => format!("{}[{}]", joint.name, one.freedom),
+            false => skeleton.motion_name(skeleton.coordinate(one)),
+        }
+    };
+    is_needed.then(|| write_loops(&names, &joints, (couplings, &coordinate)))
 }

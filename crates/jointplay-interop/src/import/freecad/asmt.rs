@@ -15,8 +15,10 @@ use jointplay_format::place::nearest;
 use nalgebra::{Matrix3, Unit, Vector3};
 
 use super::joint_limits::{self, FrameLimit, FrameMotion, RangeEnd};
+use super::joint_series::{JointSeries, SeriesKind, joint_series};
 use super::part_coupling::{DrawnJoints, PartCoupling};
 use super::placed_joint::{PlacedFrame, placed_joint};
+use super::solver_kind::solver_kind;
 use crate::import::model::{Dialect, Imported};
 use crate::import::problem::{Error, Problem};
 use crate::import::xml::LONGEST_NAME;
@@ -103,10 +105,22 @@ impl<'l, 'a> Block<'l, 'a> {
         Ok(name)
     }
 
+    /// The kind of a joint.
+    fn kind(self) -> Result<&'a str, Error> {
+        solver_kind(self.head.text).map_err(|kinds| {
+            let what = format!(
+                "joint {:?}, a name that FreeCAD cut: {}",
+                self.head.text,
+                kinds.join(" or ")
+            );
+            self.unsupported(what, "import the document (.FCStd) in place of its export")
+        })
+    }
+
     /// The name of a joint; those that FreeCAD left without one are named by their kind and number.
     fn joint_name(self, number: usize) -> Result<String, Error> {
         match self.find("Name").is_some() && self.optional("Name").is_none() {
-            true => Ok(format!("{} {number}", self.head.text)),
+            true => Ok(format!("{} {number}", self.kind()?)),
             false => Ok(self.name()?.to_owned()),
         }
     }
@@ -186,19 +200,30 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
 
     let mut joints: Vec<Joint> = Vec::new();
     let (mut blocks, mut part_couplings) = (Vec::new(), Vec::new());
+    let mut joints_in_series = Vec::new();
     for block in sets("Joints") {
-        if let Some(part_coupling) = part_coupling(block, unit)? {
-            part_couplings.push((block, part_coupling, frames(block, &markers)?));
+        // A joint of another kind is refused for this reason, whatever its markers are.
+        let kind = assembled_kind(block, unit)?;
+        let frames = frames(block, &markers)?;
+        if let AssembledKind::Coupling(part_coupling) = kind {
+            part_couplings.push((block, part_coupling, frames));
             continue;
         }
-        let frames = frames(block, &markers)?;
         let name = block.joint_name(joints.len() + 1)?;
         if frames[0].link == frames[1].link {
             ignore(format!("joint {name:?} of a part with itself"));
             continue;
         }
-        joints.push(joint(block, name, frames, unit, &mut ignore)?);
-        blocks.push(block);
+        match kind {
+            AssembledKind::Joint { kind, offset } => {
+                // The second frame moves in a plane at this distance from the first.
+                let first = frames[0].shifted(Vector3::new(0.0, 0.0, offset));
+                joints.push(placed_joint(name, kind, [&first, frames[1]], &mut ignore));
+                blocks.push(block);
+            }
+            AssembledKind::Series(kind) => joints_in_series.push((block, name, kind, frames)),
+            AssembledKind::Coupling(_) => {}
+        }
     }
     let moved = MovedJoints::new(name, &blocks, &joints)?;
     for motion in sets("Motions") {
@@ -243,10 +268,20 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
     for (block, part_coupling, frames) in part_couplings {
         let name = block.joint_name(joints.len() + couplings.len() + 1)?;
         let coupling = drawn.coupling(name, part_coupling, frames);
-        let coupling = coupling
-            .map_err(|advice| block.unsupported(format!("this {}", block.head.text), advice));
+        let coupling = coupling.map_err(|advice| {
+            let kind = block.kind().unwrap_or(block.head.text);
+            block.unsupported(format!("this {kind}"), advice)
+        });
         couplings.push(coupling?);
         blocks.push(block);
+    }
+
+    // Their links follow those of the parts.
+    for (block, name, kind, frames) in joints_in_series {
+        let series = joint_series(&name, kind, frames, links.len(), &mut ignore);
+        let JointSeries { joints: in_series, links: between } = series;
+        links.extend(between.into_iter().map(|(link, _)| (link, block)));
+        joints.extend(in_series);
     }
 
     // An assembly that nothing is joined to is no link; its first part is the base.
@@ -384,14 +419,54 @@ fn unknown(what: &'static str, value: Block, known: Vec<String>) -> Error {
     value.error(Problem::Unknown { what, found, nearest, known })
 }
 
-/// A constraint between the motions of two parts, by gears, a rack or a thread.
-fn part_coupling(block: Block, unit: LengthUnit) -> Result<Option<PartCoupling>, Error> {
+/// What a joint of a file is here.
+enum AssembledKind {
+    /// A joint; `offset` is the distance of a plane (m).
+    Joint { kind: JointKind, offset: f64 },
+    /// Joints in a row.
+    Series(SeriesKind),
+    /// A constraint between the motions of two parts, by gears, a rack or a thread.
+    Coupling(PartCoupling),
+}
+
+fn assembled_kind(block: Block, unit: LengthUnit) -> Result<AssembledKind, Error> {
+    use AssembledKind::{Coupling, Joint, Series};
     let number = |label| block.value(label)?.number(label);
-    Ok(match block.head.text {
-        "GearJoint" => Some(PartCoupling::Gears([number("radiusI")?, number("radiusJ")?])),
-        "RackPinionJoint" => Some(PartCoupling::Rack(unit.to_meters(number("pitchRadius")?))),
-        "ScrewJoint" => Some(PartCoupling::Screw(unit.to_meters(number("pitch")?))),
-        _ => None,
+    let length = |label| Ok::<f64, Error>(unit.to_meters(number(label)?));
+    let offset = || match block.optional("offset") {
+        Some(value) => Ok::<f64, Error>(unit.to_meters(value.number("offset")?)),
+        None => Ok(0.0),
+    };
+    let plain = |kind| Joint { kind, offset: 0.0 };
+    Ok(match block.kind()? {
+        "FixedJoint" => plain(JointKind::Fixed),
+        "RevoluteJoint" => plain(JointKind::Revolute),
+        "CylindricalJoint" => plain(JointKind::Cylindrical),
+        "TranslationalJoint" => plain(JointKind::Prismatic),
+        "SphericalJoint" => plain(JointKind::Spherical),
+        "UniversalJoint" => plain(JointKind::Universal),
+        "PlanarJoint" => Joint { kind: JointKind::Planar, offset: offset()? },
+        "PointInPlaneJoint" => Series(SeriesKind::PointInPlane(offset()?)),
+        "LineInPlaneJoint" => Series(SeriesKind::LineInPlane(offset()?)),
+        "SphSphJoint" => match length("distanceIJ")? {
+            0.0 => plain(JointKind::Spherical),
+            distance => Series(SeriesKind::PointAtDistance(distance)),
+        },
+        "CylSphJoint" => Series(SeriesKind::PointNearLine(length("distanceIJ")?)),
+        "RevCylJoint" => match length("distanceIJ")? {
+            0.0 => plain(JointKind::Cylindrical),
+            distance => Series(SeriesKind::ParallelLines(distance)),
+        },
+        "ParallelAxesJoint" => Series(SeriesKind::ParallelAxes),
+        "PerpendicularJoint" => Series(SeriesKind::Perpendicular),
+        "AngleJoint" => Series(SeriesKind::Angle(number("theIzJz")?)),
+        "GearJoint" => Coupling(PartCoupling::Gears([number("radiusI")?, number("radiusJ")?])),
+        "RackPinionJoint" => Coupling(PartCoupling::Rack(length("pitchRadius")?)),
+        "ScrewJoint" => Coupling(PartCoupling::Screw(length("pitch")?)),
+        other => {
+            let advice = "imported are Angle, Cylindrical, CylSph, Fixed, Gear, LineInPlane, ParallelAxes, Perpendicular, Planar, PointInPlane, RackPinion, RevCyl, Revolute, Screw, Spherical, SphSph, Translational and UniversalJoint";
+            return Err(block.unsupported(format!("joint {other:?}"), advice));
+        }
     })
 }
 
@@ -406,36 +481,6 @@ fn frames<'m>(
         markers.get(path.head.text).ok_or_else(|| unknown("marker", path, known()))
     };
     Ok([end("MarkerI")?, end("MarkerJ")?])
-}
-
-/// A joint between two markers, as drawn.
-fn joint(
-    block: Block,
-    name: String,
-    frames: [&PlacedFrame; 2],
-    unit: LengthUnit,
-    ignore: &mut impl FnMut(String),
-) -> Result<Joint, Error> {
-    let kind = match block.head.text {
-        "FixedJoint" => JointKind::Fixed,
-        "RevoluteJoint" => JointKind::Revolute,
-        "CylindricalJoint" => JointKind::Cylindrical,
-        "TranslationalJoint" => JointKind::Prismatic,
-        "SphericalJoint" => JointKind::Spherical,
-        "UniversalJoint" => JointKind::Universal,
-        "PlanarJoint" => JointKind::Planar,
-        other => {
-            let advice = "imported are FixedJoint, RevoluteJoint, CylindricalJoint, TranslationalJoint, SphericalJoint, UniversalJoint, PlanarJoint, GearJoint, RackPinionJoint and ScrewJoint";
-            return Err(block.unsupported(format!("joint {other:?}"), advice));
-        }
-    };
-    let offset = match block.optional("offset").filter(|_| kind == JointKind::Planar) {
-        Some(value) => unit.to_meters(value.number("offset")?),
-        None => 0.0,
-    };
-    // The second frame moves in a plane at this distance from the first.
-    let first = frames[0].shifted(Vector3::new(0.0, 0.0, offset));
-    Ok(placed_joint(name, kind, [&first, frames[1]], ignore))
 }
 
 #[cfg(test)]
@@ -676,7 +721,11 @@ mod tests {
         let refuse = |from: &str, to: &str, blamed: &str, message: &str| {
             testing::refuse(SLIDER_CRANK, from, to, blamed, message);
         };
-        refuse("RevoluteJoint", "AngleJoint", "AngleJoint", "imported are FixedJoint");
+        refuse("RevoluteJoint", "NoRotationJoint", "NoRotationJoint", "imported are Angle");
+        // Also where its markers are unknown: curves and surfaces of a cam have no markers.
+        let pivot = "RevoluteJoint\n\t\t\t\tName\n\t\t\t\t\tdrive\n\t\t\t\tMarkerI\n\t\t\t\t\t/slider-crank/pivot";
+        let cam = pivot.replace("RevoluteJoint", "PointCurveJoint").replace("pivot", "curve");
+        refuse(pivot, &cam, "PointCurveJoint", "joint \"PointCurveJoint\" cannot be imported");
         refuse("RevoluteJoint", "GearJoint", "GearJoint", "needs `radiusI`");
         refuse(
             "/slider-crank/crank/tip",

@@ -8,17 +8,16 @@ use jointplay_core::mechanism::JointKind;
 use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
-use super::document::{Document, Object, Reference, UNIT};
+use super::document::{ASSEMBLY, Document, Object, Reference, SUB_ASSEMBLY, UNIT};
 use super::joint_limits::{self, FrameLimit, FrameMotion, RangeEnd};
+use super::joint_series::{SeriesKind, joint_series};
 use super::part_coupling::{DrawnJoints, PartCoupling, rack_frame};
+use super::path_end::{PathEnd, end_of, is_group};
 use super::placed_joint::{PlacedFrame, placed_joint};
 use crate::import::draft::Draft;
 use crate::import::model::{Dialect, Imported};
 use crate::import::problem::Error;
 use crate::import::xml::{Advice, place};
-
-const ASSEMBLY: &str = "Assembly::AssemblyObject";
-const SUB_ASSEMBLY: &str = "Assembly::AssemblyLink";
 
 /// Kinds of joints, in the order of their numbers in files without their names.
 const JOINT_TYPES: [&str; 13] = [
@@ -37,7 +36,11 @@ const JOINT_TYPES: [&str; 13] = [
     "Belt",
 ];
 const SUPPORTED: Advice = Advice(
-    "imported are the joints Fixed, Revolute, Cylindrical, Slider, Ball, RackPinion, Screw, Gears and Belt",
+    "imported are the joints Fixed, Revolute, Cylindrical, Slider, Ball, Distance between two vertices, Parallel, Perpendicular, Angle, RackPinion, Screw, Gears and Belt",
+);
+/// The kind of a distance depends on shapes.
+const SHAPES: Advice = Advice(
+    "only distances between two vertices are read from documents, because those of other elements depend on their shapes; export the assembly from FreeCAD as ASMT",
 );
 
 /// Reads the assembly of a document.
@@ -46,8 +49,8 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
     let assembly = only_assembly(&document, root)?;
     let name = document.label(assembly)?;
     let (parts, joints) = (BTreeMap::new(), BTreeMap::new());
-    let poses = Vec::new();
-    let mut reader = Reader { draft, document: &document, assembly, parts, poses, joints };
+    let (poses, series) = (Vec::new(), Vec::new());
+    let mut reader = Reader { draft, document: &document, assembly, parts, poses, joints, series };
     let members = reader.members()?;
     // The base is the assembly itself; without a grounded part it is no link.
     let (grounds, joints): (Vec<_>, Vec<_>) =
@@ -70,6 +73,7 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
     for (joint, part_coupling) in part_couplings {
         reader.add_part_coupling(joint, part_coupling)?;
     }
+    reader.finish_series()?;
     for motion in members.motions {
         reader.add_motion(motion)?;
     }
@@ -140,6 +144,8 @@ struct Reader<'d, 'a> {
     poses: Vec<Pose>,
     /// Joints by their names in the file.
     joints: BTreeMap<&'a str, usize>,
+    /// Constraints that become several joints.
+    series: Vec<(&'d Object<'a>, String, SeriesKind, [PlacedFrame; 2])>,
 }
 
 impl<'d, 'a> Reader<'d, 'a> {
@@ -187,12 +193,16 @@ impl<'d, 'a> Reader<'d, 'a> {
 
     fn add_joint(&mut self, joint: &'d Object<'a>) -> Result<(), Error> {
         let xml = self.document.xml;
+        if let Some(kind) = self.series_kind(joint)? {
+            return self.add_series(joint, kind);
+        }
         let kind = match self.document.choice(joint, "JointType", &JOINT_TYPES)? {
             "Fixed" => JointKind::Fixed,
             "Revolute" => JointKind::Revolute,
             "Cylindrical" => JointKind::Cylindrical,
             "Slider" => JointKind::Prismatic,
-            "Ball" => JointKind::Spherical,
+            // Of a distance of zero.
+            "Ball" | "Distance" => JointKind::Spherical,
             other => {
                 let what = format!("joint {:?} of type {other:?}", self.document.label(joint)?);
                 return Err(xml.unsupported(joint.node, what, SUPPORTED));
@@ -202,6 +212,57 @@ impl<'d, 'a> Reader<'d, 'a> {
         let second = self.frame(joint, "Reference2", "Placement2")?;
         let limits = self.limits(joint, kind)?;
         self.add(joint, kind, [&first, &second], &limits)
+    }
+
+    /// The kind of a joint that is several joints here.
+    fn series_kind(&self, joint: &'d Object<'a>) -> Result<Option<SeriesKind>, Error> {
+        let document = self.document;
+        Ok(match document.choice(joint, "JointType", &JOINT_TYPES)? {
+            "Parallel" => Some(SeriesKind::ParallelAxes),
+            "Perpendicular" => Some(SeriesKind::Perpendicular),
+            "Angle" => Some(SeriesKind::Angle(document.number(joint, "Distance")?.to_radians())),
+            "Distance" => {
+                for name in ["Reference1", "Reference2"] {
+                    let reference = document.reference(joint, name)?;
+                    let element = reference.as_ref().map_or("", |one| one.element);
+                    if !element.starts_with("Vertex") {
+                        let label = document.label(joint)?;
+                        let what = format!("joint {label:?} of type \"Distance\" to {element:?}");
+                        return Err(document.xml.unsupported(joint.node, what, SHAPES));
+                    }
+                }
+                let distance = UNIT.to_meters(document.number(joint, "Distance")?);
+                (distance != 0.0).then_some(SeriesKind::PointAtDistance(distance))
+            }
+            _ => None,
+        })
+    }
+
+    fn add_series(&mut self, joint: &'d Object<'a>, kind: SeriesKind) -> Result<(), Error> {
+        let first = self.frame(joint, "Reference1", "Placement1")?;
+        let second = self.frame(joint, "Reference2", "Placement2")?;
+        let name = unique(self.document, joint, |name| self.draft.joint(name).is_some())?;
+        self.series.push((joint, name, kind, [first, second]));
+        Ok(())
+    }
+
+    /// Adds the joints in series, whose links follow those of the parts.
+    fn finish_series(&mut self) -> Result<(), Error> {
+        for (joint, name, kind, [first, second]) in std::mem::take(&mut self.series) {
+            let next = self.draft.links();
+            let mut ignore = |what| self.draft.ignore(what);
+            let series = joint_series(&name, kind, [&first, &second], next, &mut ignore);
+            for (link, pose) in series.links {
+                let link = self.draft.fresh(link);
+                self.draft.add_link(link, place(joint.node))?;
+                self.poses.push(pose);
+            }
+            for mut one in series.joints {
+                one.name = self.draft.fresh(one.name);
+                self.draft.add_joint(one, place(joint.node))?;
+            }
+        }
+        Ok(())
     }
 
     /// The relation of a joint between the motions of two parts.
@@ -415,78 +476,4 @@ fn unique(
     let numbered = (2..).map(|number| format!("{name} ({number})"));
     let mut names = std::iter::once(name.clone()).chain(numbered);
     Ok(names.find(|name| !is_taken(name)).expect("names are finitely many"))
-}
-
-/// Where a path of names continues after an object.
-enum PathEnd {
-    /// Nowhere: placements are in the frame of this object.
-    Here,
-    /// In the object.
-    Inside,
-    /// In an object of another file.
-    OtherFile,
-}
-
-/// # Arguments
-/// * `next` – the next name of the path
-fn end_of<'a>(
-    document: &Document<'a>,
-    object: &Object<'a>,
-    next: Option<&&'a str>,
-) -> Result<PathEnd, Error> {
-    let has_next_as_datum = |body: &Object<'a>| {
-        let group = document.group(body)?;
-        let found = group.iter().find(|inner| next.is_some_and(|next| inner.name == *next));
-        Ok::<bool, Error>(found.is_some_and(|inner| is_datum(inner)))
-    };
-    let within = |object: &Object<'a>| {
-        let continues = match object.kind {
-            "PartDesign::Body" => has_next_as_datum(object)?,
-            _ => is_container(object) || is_group(object),
-        };
-        Ok(if continues { PathEnd::Inside } else { PathEnd::Here })
-    };
-    if !matches!(object.kind, "App::Link" | "App::LinkPython" | "App::LinkElement") {
-        return within(object);
-    }
-    match document.reference(object, "LinkedObject")? {
-        Some(linked) if !linked.file.is_empty() => Ok(PathEnd::OtherFile),
-        _ => match document.link(object, "LinkedObject")? {
-            Some(linked) => within(linked),
-            None => Ok(PathEnd::Inside),
-        },
-    }
-}
-
-/// A folder of the tree, which places nothing.
-fn is_group(object: &Object) -> bool {
-    let kind = object.kind;
-    kind.starts_with("App::DocumentObjectGroup")
-        || kind == "App::LinkGroup"
-        || (kind.starts_with("Assembly::") && kind.ends_with("Group"))
-}
-
-/// An object with others that move with it.
-fn is_container(object: &Object) -> bool {
-    matches!(object.kind, "App::Part" | ASSEMBLY | SUB_ASSEMBLY)
-}
-
-/// A sketch, plane, line or point of a body, in whose own frame placements are.
-fn is_datum(object: &Object) -> bool {
-    matches!(
-        object.kind,
-        "Sketcher::SketchObject"
-            | "PartDesign::Plane"
-            | "PartDesign::Line"
-            | "PartDesign::Point"
-            | "PartDesign::CoordinateSystem"
-            | "Part::DatumPlane"
-            | "Part::DatumLine"
-            | "Part::DatumPoint"
-            | "Part::LocalCoordinateSystem"
-            | "App::Plane"
-            | "App::Line"
-            | "App::Point"
-            | "App::LocalCoordinateSystem"
-    )
 }

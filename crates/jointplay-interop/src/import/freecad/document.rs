@@ -10,6 +10,10 @@ use roxmltree::Node;
 use crate::import::problem::{Error, Problem};
 use crate::import::xml::{Advice, Value, Xml, attribute, children, elements, place};
 
+/// Kind of an assembly.
+pub(super) const ASSEMBLY: &str = "Assembly::AssemblyObject";
+/// Kind of an assembly in another.
+pub(super) const SUB_ASSEMBLY: &str = "Assembly::AssemblyLink";
 /// The unit of lengths in every document.
 pub(super) const UNIT: LengthUnit = LengthUnit::Millimeter;
 
@@ -36,6 +40,8 @@ pub(super) struct Reference<'a> {
     pub(super) file: &'a str,
     pub(super) object: &'a str,
     pub(super) path: Vec<&'a str>,
+    /// Name of the face, edge or vertex; empty for the whole object.
+    pub(super) element: &'a str,
     pub(super) node: Node<'a, 'a>,
 }
 
@@ -171,10 +177,10 @@ impl<'a> Document<'a> {
         let place = node.attribute("sub").or(first).unwrap_or_default();
         // The last name is that of a face, an edge or a corner, or empty; generated names of those start with a semicolon.
         let mut path: Vec<&str> = place.split('.').collect();
-        path.pop();
+        let element = path.pop().unwrap_or_default();
         path.retain(|name| !name.starts_with(';'));
         let file = node.attribute("file").unwrap_or_default();
-        Ok(Some(Reference { file, object: linked.text, path, node }))
+        Ok(Some(Reference { file, object: linked.text, path, element, node }))
     }
 
     pub(super) fn missing(&self, object: &Object<'a>, what: &'static str) -> Error {

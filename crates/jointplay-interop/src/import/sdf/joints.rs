@@ -20,6 +20,9 @@ const PERPENDICULAR: f64 = 1e-6;
 
 impl<'a> Reader<'a> {
     pub(super) fn joint(&mut self, frame: usize) -> Result<(), Error> {
+        if self.is_gearbox(frame) {
+            return Ok(());
+        }
         let (node, xml) = (self.frames.node(frame), self.draft.xml);
         self.check_parts(node)?;
         let value = attribute(node, "type").ok_or_else(|| xml.missing(node, "type"))?;
@@ -31,8 +34,7 @@ impl<'a> Reader<'a> {
             "universal" | "revolute2" => JointKind::Universal,
             "fixed" => JointKind::Fixed,
             _ => {
-                let expected =
-                    "revolute, continuous, prismatic, screw, ball, universal, revolute2 or fixed";
+                let expected = "revolute, continuous, prismatic, screw, ball, universal, revolute2, fixed or gearbox";
                 return Err(xml.unusable(&value, expected));
             }
         };
@@ -118,7 +120,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Direction of an axis in the frame of its joint.
-    fn axis(
+    pub(super) fn axis(
         &self,
         frame: usize,
         joint: Node<'a, 'a>,

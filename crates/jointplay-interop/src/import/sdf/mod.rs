@@ -4,6 +4,7 @@
 //! Links of static models are fixed to the world.
 
 mod frames;
+mod gearboxes;
 mod joints;
 mod mimics;
 mod pose;

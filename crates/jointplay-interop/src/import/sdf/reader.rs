@@ -90,7 +90,11 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
         reader.joint(reader.joints[index])?;
     }
     for index in 0..reader.joints.len() {
-        reader.mimics(reader.joints[index])?;
+        let frame = reader.joints[index];
+        match reader.is_gearbox(frame) {
+            true => reader.gearbox(frame)?,
+            false => reader.mimics(frame)?,
+        }
     }
     reader.actuate();
     reader.add_floating_joints()?;
@@ -326,6 +330,39 @@ mod tests {
         assert_eq!(testing::read(&other).mechanism.links(), ["leg", "foot"]);
     }
 
+    /// Two wheels on a carrier that turns; the second joint has the carrier as its child.
+    const GEARS: &str = r#"<sdf version="1.9"><world name="w"><model name="gears">
+        <link name="carrier"/><link name="wheel"/><link name="pinion"/>
+        <joint name="arm" type="revolute"><parent>world</parent><child>carrier</child><axis><xyz>0 0 1</xyz></axis></joint>
+        <joint name="first" type="revolute"><parent>carrier</parent><child>wheel</child><axis><xyz>0 0 1</xyz></axis></joint>
+        <joint name="second" type="revolute"><parent>pinion</parent><child>carrier</child><axis><xyz>0 0 1</xyz></axis></joint>
+        <joint name="teeth" type="gearbox"><parent>wheel</parent><child>pinion</child>
+            <axis><xyz>0 0 1</xyz></axis><axis2><xyz>0 0 1</xyz></axis2>
+            <gearbox_ratio>2.5</gearbox_ratio><gearbox_reference_body>carrier</gearbox_reference_body>
+        </joint></model></world></sdf>"#;
+
+    #[test]
+    fn gearboxes_couple_the_joints_of_their_reference_body() {
+        let ratio = |text: &str| {
+            let mechanism = testing::read(text).mechanism;
+            assert_eq!(mechanism.joints().len(), 3);
+            let [coupling] = mechanism.couplings() else { panic!() };
+            assert_eq!(coupling.name, "gears::teeth");
+            assert_eq!((coupling.follower.joint, coupling.terms[0].0.joint), (2, 1));
+            coupling.terms[0].1
+        };
+        // The pinion turns by −2.5 times the wheel about the carrier, and the carrier by 2.5 times about the pinion.
+        assert_eq!(ratio(GEARS), 2.5);
+        assert_eq!(ratio(&GEARS.replace("<axis2><xyz>0 0 1", "<axis2><xyz>0 0 -1")), -2.5);
+        assert_eq!(ratio(&GEARS.replace("<gearbox_ratio>2.5</gearbox_ratio>", "")), 1.0);
+        let element = "<joint name=\"teeth\" type=\"gearbox\">";
+        let refuse = |from, to, blamed, message| testing::refuse(GEARS, from, to, blamed, message);
+        refuse("<axis2><xyz>0 0 1", "<axis2><xyz>0 1 0", element, "without a revolute joint of");
+        refuse("body>carrier", "body>wheel", element, "turn on revolute joints of the reference");
+        refuse("ratio>2.5", "ratio>0", "0", "a number that is not 0");
+        refuse("body>carrier", "body>cart", "cart", "frame \"cart\" is not known");
+    }
+
     #[test]
     fn in_a_world_a_free_model_floats() {
         let text =
@@ -449,7 +486,9 @@ mod tests {
             "gz sdf -p",
         );
         refuse(plugin, "<plugins/>", "<plugins/>", "<plugins> in model cannot be imported");
-        refuse("\"revolute\"", "\"gearbox\"", "gearbox", "revolute, continuous");
+        refuse("\"revolute\"", "\"gears\"", "gears", "revolute, continuous");
+        let gearbox = "<joint name=\"knee\" type=\"gearbox\">";
+        refuse("\"revolute\"", "\"gearbox\"", gearbox, "needs `gearbox_reference_body`");
         refuse(
             "\"revolute\"",
             "\"universal\"",
