@@ -20,7 +20,7 @@ const CLEAR: f64 = 10.0;
 const MAX_MOTIONS: usize = 100;
 /// Steps of the bidiagonalization for the largest singular value, which is needed to a few per cent.
 const BIDIAGONAL_STEPS: usize = 16;
-/// Distance for which the fastest coordinate is followed in every direction, in radians and characteristic lengths.
+/// Distance for which the fastest coordinate is followed in every direction, in radians and characteristic lengths: one step where its correction is small.
 const KEPT: f64 = 0.3;
 /// The shortest step of that, as a share of it.
 const SHORTEST_STEP: f64 = 1e-2;
@@ -366,7 +366,7 @@ impl SparseSystem<'_> {
             for &k in &leading {
                 drives[k] = direction[k];
             }
-            let done = self.clone().follow(&drives, &held, None, &mut 0.5, SHORTEST_STEP)?;
+            let done = self.clone().follow(&drives, &held, None, &mut 1.0, SHORTEST_STEP)?;
             if done < 1.0 {
                 return Ok(false);
             }

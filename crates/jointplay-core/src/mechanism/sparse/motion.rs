@@ -16,8 +16,8 @@ const CLOSED: f64 = 0.01 * CLOSURE_TOLERANCE;
 const SETTLED: f64 = 1e-6;
 /// Halvings of a correction that gains nothing.
 const MAX_HALVINGS: usize = 10;
-/// The longest step of a coordinate, in radians and characteristic lengths.
-const LONGEST_STEP: f64 = 0.3;
+/// The longest step of a coordinate, in radians and characteristic lengths: more than the distance for which motions are followed, which can be one step.
+const LONGEST_STEP: f64 = 0.31;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 const SHORTEST_STEP: f64 = 1e-5;
 

@@ -11,7 +11,7 @@ use crate::mechanism::closure::Closure;
 use crate::mechanism::description::Mechanism;
 use crate::mechanism::joint::Twist;
 use crate::mechanism::kinematics::{Kinematics, cayley, check_coordinates, skew_part};
-use crate::mechanism::tree::link_poses;
+use crate::mechanism::tree::{Branch, link_poses, short_loop_tree};
 use crate::spatial::Pose;
 
 /// A mechanism in a configuration, ready for sparse algebra; cost and memory grow about as its joints do.
@@ -26,6 +26,8 @@ pub struct SparseSystem<'a> {
     pub(super) kinematics: Arc<Kinematics<'a>>,
     couplings: Arc<[SparseCoupling]>,
     pattern: Arc<Pattern>,
+    /// Joints over which links are placed, with short loops.
+    tree: Arc<[Branch]>,
     /// Middle of the joints of each link, in its own frame (m).
     middles: Arc<[Vector3<f64>]>,
     pub(super) length: f64,
@@ -55,12 +57,14 @@ impl<'a> SparseSystem<'a> {
         let couplings = sparse_couplings(&kinematics, length);
         let pattern = Arc::new(Pattern::new(&kinematics, &couplings)?);
         let (displacements, screws) = joints_at(&kinematics, &coordinates);
-        let poses = tree_poses(&kinematics, &displacements);
+        let tree = short_loop_tree(mechanism, kinematics.closing_joints());
+        let poses = tree_poses(mechanism, &tree, &displacements);
         let (kinematics, middles) = (Arc::new(kinematics), middles.into());
         Ok(Self {
             kinematics,
             couplings: couplings.into(),
             pattern,
+            tree: tree.into(),
             middles,
             length,
             poses,
@@ -190,7 +194,7 @@ impl<'a> SparseSystem<'a> {
 
     /// Displaces links by small twists about their middles, and coordinates by small steps; returns the residual.
     ///
-    /// Far links of a long chain sweep arcs that a twist is too straight for; where the spanning tree puts them with the new coordinates is tried too.
+    /// Far links of a long chain sweep arcs that a twist is too straight for; where the joints of a spanning tree with short loops put them with the new coordinates is tried too.
     pub(super) fn displace(&mut self, x: &[f64], by: &DVector<f64>) -> f64 {
         for (link, pose) in self.poses.iter_mut().enumerate().skip(1) {
             let x = &x[6 * (link - 1)..6 * link];
@@ -204,7 +208,8 @@ impl<'a> SparseSystem<'a> {
         self.coordinates = self.kinematics.moved(&self.coordinates, by);
         (self.displacements, self.screws) = joints_at(&self.kinematics, &self.coordinates);
         let by_twists = self.residual();
-        let by_tree = tree_poses(&self.kinematics, &self.displacements);
+        let mechanism = self.kinematics.mechanism();
+        let by_tree = tree_poses(mechanism, &self.tree, &self.displacements);
         let residual = self.residual_of(&by_tree);
         if residual < by_twists {
             self.poses = by_tree;
@@ -251,11 +256,11 @@ fn joints_at(kinematics: &Kinematics<'_>, coordinates: &DVector<f64>) -> (Vec<Po
     (displacements.collect(), screws)
 }
 
-/// Poses of the links where the joints of the spanning tree put them.
-fn tree_poses(kinematics: &Kinematics<'_>, displacements: &[Pose]) -> Vec<Pose> {
-    let branches =
-        kinematics.branches().map(|(j, links, against)| (links, against, displacements[j]));
-    link_poses(kinematics.mechanism().links().len(), branches)
+/// Poses of the links where the joints of a spanning tree put them.
+fn tree_poses(mechanism: &Mechanism, tree: &[Branch], displacements: &[Pose]) -> Vec<Pose> {
+    let joints = mechanism.joints();
+    let branches = tree.iter().map(|&(j, against)| (joints[j].links, against, displacements[j]));
+    link_poses(mechanism.links().len(), branches)
 }
 
 /// Middle of the joints of each link, in its own frame.
