@@ -12,10 +12,10 @@ import { PointHandle } from './pointHandle';
 export interface MechanismRendererEvents extends RendererEvents {
   /** A part was clicked; `null` for the background. */
   picked: (part: PartOf | null) => void;
-  /** A point of a link was taken [m, in the frame of the link]. */
-  pointTaken: (part: PartOf, link: string, point_m: number[]) => void;
+  /** A point of a link was taken [m, in the frame of the link]; without this event, links cannot be dragged. */
+  pointTaken?: (part: PartOf, link: string, point_m: number[]) => void;
   /** The point is dragged to a position [m, in the base frame, with exaggerated play]. */
-  pointMoved: (to_m: number[]) => void;
+  pointMoved?: (to_m: number[]) => void;
 }
 
 /** A drag of a point: where it was taken, and the plane in which the pointer moves it. */
@@ -265,7 +265,7 @@ export class MechanismRenderer extends SceneRenderer {
 
   /** The part and the point of a moving link under the pointer, by the handle first. */
   #under(event: MouseEvent): { part: PartOf | null; link: string; position: Vector3 } | null {
-    if (!this.#model) return null;
+    if (!this.#model || !this.#events.pointTaken) return null;
     const position = this.#pointPosition();
     if (position && this.#point && this.#handle.isHit(this.ray(event))) return { part: null, link: this.#point.link, position };
     const hit = this.intersection(event, this.#model.group);
@@ -285,7 +285,7 @@ export class MechanismRenderer extends SceneRenderer {
     const plane = new Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new Vector3()), position);
     const pointer = this.ray(event).ray.intersectPlane(plane, new Vector3()) ?? position;
     this.#drag = { plane, offset: position.clone().sub(pointer), start: new Vector2(event.clientX, event.clientY), wanted: null };
-    if (part) this.#events.pointTaken(part, link, this.#model.inLink(link, position).toArray());
+    if (part) this.#events.pointTaken?.(part, link, this.#model.inLink(link, position).toArray());
     const end = (): void => {
       this.#drag = null;
       this.canvas.removeEventListener('pointerup', end);
@@ -307,7 +307,7 @@ export class MechanismRenderer extends SceneRenderer {
     if (!at) return;
     this.canvas.style.cursor = 'grabbing';
     drag.wanted = at.add(drag.offset);
-    this.#events.pointMoved(drag.wanted.clone().multiplyScalar(this.#document?.size_m ?? 1).toArray());
+    this.#events.pointMoved?.(drag.wanted.clone().multiplyScalar(this.#document?.size_m ?? 1).toArray());
     this.invalidate();
   }
 

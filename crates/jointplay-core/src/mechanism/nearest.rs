@@ -202,7 +202,7 @@ impl<'a> Search<'a> {
                 break;
             }
             let mut coordinates = found.coordinates;
-            for &k in &self.turns {
+            for &k in self.turns.iter().filter(|k| free.contains(k)) {
                 coordinates[k] = turned(k, self.nearest_turn(k, coordinates[k]));
             }
             let mechanism = self.system.kinematics().mechanism();

@@ -177,10 +177,11 @@ mod tests {
         lengths.max().unwrap_or(0)
     }
 
-    /// Two rails and the rungs between them.
+    /// Two rails on the base, and the rungs between them.
     fn ladder(rungs: usize) -> Mechanism {
-        let rails = (0..2 * rungs - 2).map(|k| [k, k + 2]);
-        hinged(2 * rungs, rails.chain((0..rungs).map(|k| [2 * k, 2 * k + 1])))
+        let rails = (1..2 * rungs - 1).map(|k| [k, k + 2]);
+        let rungs_between = (0..rungs).map(|k| [2 * k + 1, 2 * k + 2]);
+        hinged(2 * rungs + 1, [[0, 1], [0, 2]].into_iter().chain(rails).chain(rungs_between))
     }
 
     #[test]
@@ -190,7 +191,7 @@ mod tests {
         let closing: Vec<usize> = (0..ladder.joints().len())
             .filter(|&j| breadth_first.iter().all(|b| b.0 != j))
             .collect();
-        assert_eq!(longest_loop(&ladder, &breadth_first), 600);
+        assert_eq!(longest_loop(&ladder, &breadth_first), 601);
         assert_eq!(longest_loop(&ladder, &short_loop_tree(&ladder, &closing)), 4);
     }
 

@@ -355,7 +355,8 @@ mod tests {
         assert_eq!(ratio(GEARS), 2.5);
         assert_eq!(ratio(&GEARS.replace("<axis2><xyz>0 0 1", "<axis2><xyz>0 0 -1")), -2.5);
         assert_eq!(ratio(&GEARS.replace("<gearbox_ratio>2.5</gearbox_ratio>", "")), 1.0);
-        let element = "<joint name=\"teeth\" type=\"gearbox\">";
+        let element =
+            "<joint name=\"teeth\" type=\"gearbox\"><parent>wheel</parent><child>pinion</child>";
         let refuse = |from, to, blamed, message| testing::refuse(GEARS, from, to, blamed, message);
         refuse("<axis2><xyz>0 0 1", "<axis2><xyz>0 1 0", element, "without a revolute joint of");
         refuse("body>carrier", "body>wheel", element, "turn on revolute joints of the reference");

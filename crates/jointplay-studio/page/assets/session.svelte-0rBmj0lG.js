@@ -1,0 +1,1 @@
+export{n as mechanismSession}from"./session.svelte-mkFrNuFM.js";

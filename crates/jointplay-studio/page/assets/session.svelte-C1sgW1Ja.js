@@ -1,0 +1,1 @@
+export{i as session}from"./session.svelte-DdpVb0r2.js";
