@@ -5,7 +5,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { COMMAND, EXAMPLE_CELL, accessibilityViolations, cellFixture, complaints, load, partNames, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
+import { COMMAND, EXAMPLE_CELL, accessibilityViolations, bytesOf, cellFixture, complaints, load, partNames, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
 
 // LP2 is tilted: there the platform has play.
 const PROGRAM = 'HOME\nGET LP2 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n';
@@ -39,7 +39,7 @@ async function exported(entry: string): Promise<{ name: string; bytes: Buffer }>
   const awaited = page.waitForEvent('download');
   await page.getByTestId(`cell-export-${entry}`).click();
   const download = await awaited;
-  return { name: download.suggestedFilename(), bytes: readFileSync((await download.path())!) };
+  return { name: download.suggestedFilename(), bytes: await bytesOf(download) };
 }
 
 /** A file that the command writes for the same cell and program. */

@@ -1,10 +1,9 @@
 // First steps and pictures of the robot view: the tour, fields for expressions with units, exported pictures.
 
-import { readFileSync } from 'node:fs';
 import { inflateSync } from 'node:zlib';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { accessibilityViolations, browse, cellFixture, complaints, drawn, load, partNames, serve, unhandled, until, visit, type Server } from './studio';
+import { accessibilityViolations, browse, bytesOf, cellFixture, complaints, drawn, load, partNames, serve, unhandled, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -126,7 +125,7 @@ test('pictures have any size and resolution, without background and handles', ()
     const picture = async (): Promise<Buffer> => {
       if (!(await page.getByTestId('export-view').isVisible())) await page.getByTestId('export').click();
       const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-view').click()]);
-      return readFileSync(await download.path());
+      return bytesOf(download);
     };
     await page.getByTestId('export').click();
     await page.getByTestId('picture-size').selectOption('other');

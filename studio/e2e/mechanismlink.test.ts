@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
 import type { Browser, Page } from 'playwright-core';
-import { EXAMPLE_CELL, ROOT, accessibilityViolations, browse, complaints, load, serve, unhandled, until, visit, type Server } from './studio';
+import { EXAMPLE_CELL, ROOT, accessibilityViolations, browse, bytesOf, complaints, load, serve, unhandled, until, visit, type Server } from './studio';
 
 let server: Server;
 let browser: Browser;
@@ -107,7 +107,7 @@ test('picture, film and text of a mechanism are exported', async () => {
     const awaited = page.waitForEvent('download');
     await page.getByTestId(`mechanism-export-${entry}`).click();
     const download = await awaited;
-    return { name: download.suggestedFilename(), bytes: readFileSync((await download.path())!) };
+    return { name: download.suggestedFilename(), bytes: await bytesOf(download) };
   };
   const picture = await take('view');
   expect([picture.name, picture.bytes.subarray(1, 4).toString()]).toEqual(['four-bar.png', 'PNG']);

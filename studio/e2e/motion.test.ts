@@ -4,7 +4,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { COMMAND, browse, complaints, drawn, frames, load, serve, until, visit, type Server } from './studio';
+import { COMMAND, browse, bytesOf, complaints, drawn, frames, load, serve, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -100,7 +100,7 @@ test('a serpentine and a motion through key poses are computed', async () => {
   expect(Math.abs((await at()) - 210)).toBeLessThan(6);
   await page.getByTestId('export').click();
   const [figure] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-svg').click()]);
-  const svg = readFileSync(await figure.path(), 'utf8');
+  const svg = (await bytesOf(figure)).toString('utf8');
   expect(svg).toContain('time [s]');
   expect(svg).not.toContain('>sample<');
   await page.getByRole('button', { name: 'Poses' }).click();
@@ -139,7 +139,7 @@ test('time series and plots are exported', async () => {
   const take = async (item: string) => {
     await page.getByTestId('export').click();
     const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(item).click()]);
-    return readFileSync(await download.path());
+    return bytesOf(download);
   };
   const csv = (await take('export-csv')).toString().trim().split('\n');
   expect(csv).toHaveLength(778);
@@ -191,7 +191,7 @@ test('the recording of a motion has the duration of the motion', async () => {
   const took = (Date.now() - begun) / 1000;
   expect(await at()).toBe(180);
   expect(film.suggestedFilename()).toMatch(/^motion\.(webm|mp4)$/);
-  const bytes = readFileSync(await film.path()).toString('base64');
+  const bytes = (await bytesOf(film)).toString('base64');
   const played = await page.evaluate(async (base64) => {
     const blob = new Blob([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))]);
     const video = document.createElement('video');

@@ -8,7 +8,7 @@ import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { cellFixture, drawn, load, until, visit, type CellFixture } from './studio';
+import { bytesOf, cellFixture, drawn, load, until, visit, type CellFixture } from './studio';
 
 const BLOCK = 4;
 const LEVELS = 24;
@@ -76,7 +76,7 @@ async function open(part: 'robot' | 'cell', hash = ''): Promise<Page> {
 async function picture(page: Page, menu: 'export' | 'cell-export'): Promise<Buffer> {
   await page.getByTestId(menu).click();
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(`${menu}-view`).click()]);
-  return readFileSync(await download.path());
+  return bytesOf(download);
 }
 
 async function compare(name: string, found: Buffer): Promise<void> {

@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from 'vitest';
-import { ROOT, accessibilityViolations, browse, complaints, drawn, load, reload, serve, unhandled, until, visit, type Server } from './studio';
+import { ROOT, accessibilityViolations, browse, bytesOf, complaints, drawn, load, reload, serve, unhandled, until, visit, type Server } from './studio';
 
 const PAPER = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/gpr.toml'), 'utf8');
 /** A robot as a stranger writes it: a parameter, comments, inline tables, rods away from their sockets. */
@@ -200,7 +200,7 @@ test('a motion is compared under several models, plotted as the user wants, and 
 
   await page.getByTestId('export').click();
   const [figure] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-svg').click()]);
-  const svg = readFileSync(await figure.path(), 'utf8');
+  const svg = (await bytesOf(figure)).toString('utf8');
   expect(svg).toContain('tilt angle α [°]');
   expect(svg).toContain('planar ‖ΔX‖');
 
@@ -256,7 +256,7 @@ test('pictures have vector labels and axes', async () => {
   await page.getByTestId('export').click();
   await page.getByTestId('picture-size').selectOption('slide');
   const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-vectors').click()]);
-  const svg = readFileSync(await download.path(), 'utf8');
+  const svg = (await bytesOf(download)).toString('utf8');
   expect(svg).toContain('width="254mm" height="142.88mm"');
   expect(svg).toContain('href="data:image/png;base64,iVBOR');
   // The labels of the virtual joints, with subscripts, and those of the axes.

@@ -5,7 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import axe from 'axe-core';
-import { chromium, type Browser, type BrowserContextOptions, type Page } from 'playwright-core';
+import { chromium, type Browser, type BrowserContextOptions, type Download, type Page } from 'playwright-core';
 import { options, RUNNING } from './browser';
 
 /**
@@ -85,6 +85,13 @@ export async function reload(page: Page): Promise<void> {
 }
 
 const scripts = (page: Page) => until('the scripts of the page have run', () => page.evaluate(() => 'jointplay' in window));
+
+/** The bytes of a download: the browser may run elsewhere, so that its files have no path here. */
+export async function bytesOf(download: Download): Promise<Buffer> {
+  const parts: Buffer[] = [];
+  for await (const part of await download.createReadStream()) parts.push(part as Buffer);
+  return Buffer.concat(parts);
+}
 
 /** Waits for a number of animation frames. */
 export async function frames(page: Page, count = 6): Promise<void> {

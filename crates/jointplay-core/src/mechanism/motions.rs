@@ -19,7 +19,7 @@ pub(super) enum Motions<'a> {
     /// Those of the actuators, virtual joints at their least displacement.
     Relieved {
         /// At rest; its reference point and length define the displacement.
-        home: MechanismSystem<'a>,
+        home: Box<MechanismSystem<'a>>,
         commanded: CommandedJoints,
     },
 }
@@ -34,7 +34,7 @@ impl<'a> Motions<'a> {
             return Ok(Self::Rigid { free: (0..mechanism.joint_freedoms()).collect() });
         }
         let home = close_commanded(mechanism, &[], None)?.coordinates;
-        let home = MechanismSystem::new(mechanism, home)?;
+        let home = Box::new(MechanismSystem::new(mechanism, home)?);
         let commanded = CommandedJoints::new(&home, &actuated)?;
         Ok(Self::Relieved { home, commanded })
     }

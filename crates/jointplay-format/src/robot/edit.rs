@@ -259,12 +259,11 @@ fn set(table: &mut dyn TableLike, location: &Location, value: f64) {
         return;
     };
     match (location.index, item) {
-        (Some(index), Item::Value(Value::Array(list))) => {
-            // A list that is too short is an error of the file, which reading the text reports.
-            if index < list.len() {
-                list.replace(index, value);
-            }
+        (Some(index), Item::Value(Value::Array(list))) if index < list.len() => {
+            list.replace(index, value);
         }
+        // A list that is too short is an error of the file, which reading the text reports.
+        (Some(_), Item::Value(Value::Array(_))) => {}
         (_, Item::Value(old)) => {
             let decor = old.decor().clone();
             *old = value.into();
