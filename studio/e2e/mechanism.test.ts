@@ -95,7 +95,7 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
     expect(await joints(page)).toEqual(kept);
     // Compared with the reference: the crank has turned, the mobility is the same.
     const compared = async (name: string) => (await page.getByTestId(`compare-${name}`).locator('td').allTextContents()).map(Number);
-    await until('compared', async () => (await compared('finite'))[2] === 0);
+    await until('compared', async () => [...(await compared('finite')), ...(await compared('redundant')), ...(await compared('A'))].every(Number.isFinite));
     const [from, now, by] = await compared('A');
     expect([from, by]).toEqual([0, now]);
     expect(await compared('redundant')).toEqual([3, 3, 0]);
@@ -103,7 +103,7 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
     const { x: fromX, y: fromY } = (await page.evaluate(() => window.jointplay.probe.mechanism!.onPage('B')))!;
     await page.mouse.move(fromX, fromY);
     await page.mouse.down();
-    for (const share of [0.3, 0.6, 1]) await page.mouse.move(fromX + 90 * share, fromY - 20 * share);
+    for (const share of [0.3, 0.6, 1]) await page.mouse.move(fromX - 20 * share, fromY + 90 * share);
     const apart = (a: Record<string, number[]>, name: string) => Math.hypot(...a[name]!.map((value, k) => value - kept[name]![k]!));
     await until('dragged', async () => apart(await joints(page), 'B') > 0.01 && apart(await joints(page), 'C') > 0.01);
     await page.mouse.up();
