@@ -100,6 +100,8 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
     expect([from, by]).toEqual([0, now]);
     expect(await compared('redundant')).toEqual([3, 3, 0]);
     // Dragged by its end, the crank follows the pointer, and the other joints follow the crank.
+    await page.getByRole('button', { name: 'Fit', exact: true }).click();
+    await frames(page);
     const { x: fromX, y: fromY } = (await page.evaluate(() => window.jointplay.probe.mechanism!.onPage('B')))!;
     await page.mouse.move(fromX, fromY);
     await page.mouse.down();

@@ -78,9 +78,9 @@ fn points_of_the_curve_are_reached_past_dead_points() {
         let share = f64::from(step) / 40.0;
         // Along the circle of the rocker about D.
         let angle = |[x, y]: [f64; 2]| y.atan2(x - 1.0);
-        let way = (angle(to) - angle(from) + TURN).rem_euclid(TURN);
-        let way = if way > TURN / 2.0 { way - TURN } else { way };
-        let at = angle(from) + share * way;
+        let arc = (angle(to) - angle(from) + TURN).rem_euclid(TURN);
+        let arc = if arc > TURN / 2.0 { arc - TURN } else { arc };
+        let at = angle(from) + share * arc;
         let found = reach_point(
             &mechanism,
             &here,

@@ -96,7 +96,7 @@ fn budgets_peak_where_the_check_reports_them() {
     let rows = || report.by_instruction.iter();
     let tilt = rows().map(|row| row.tilt).fold(0.0, f64::max);
     assert!((peak("platform_tilt_percent") - 100.0 * tilt).abs() < 1e-6);
-    // Samples miss the peak by less than a thousandth of the limit; the check leaves out samples whose share is at most 0.0001 more.
+    // Samples miss the peak by less than a thousandth of the limit; the check omits samples whose share is at most 0.0001 more.
     let slip = rows().filter_map(|row| row.slip).map(|slip| slip.ratio).fold(0.0, f64::max);
     let beyond = peak("B_friction_percent") - 100.0 * slip;
     assert!((-0.1..0.011).contains(&beyond), "{slip} {beyond}");
