@@ -71,15 +71,17 @@ pub(super) fn determined(
     driven: &[usize],
     candidates: &[usize],
 ) -> Vec<usize> {
-    // Rows without the driven coordinates, with the determined coordinate of each.
-    let mut pivots: Vec<(usize, BTreeMap<usize, f64>)> = Vec::new();
+    // Rows without the driven coordinates, each with its determined coordinate; and the row of each determined coordinate.
+    let mut rows: Vec<(usize, BTreeMap<usize, f64>)> = Vec::new();
+    let mut row_of = BTreeMap::new();
     for row in coupling_rows(&Kinematics::new(mechanism), 1.0) {
         let entries = row.entries.into_iter().filter(|(k, _)| !driven.contains(k));
         let mut rest: BTreeMap<usize, f64> = entries.collect();
         let size = rest.values().fold(0.0_f64, |size, factor| size.max(factor.abs()));
-        for (pivot, eliminated) in &pivots {
-            let Some(&factor) = rest.get(pivot) else { continue };
-            let share = factor / eliminated[pivot];
+        // A row has no determined coordinates of the rows before it, so that eliminations in order do not undo each other.
+        while let Some(&next) = rest.keys().filter_map(|k| row_of.get(k)).min() {
+            let (pivot, eliminated): &(usize, BTreeMap<usize, f64>) = &rows[next];
+            let share = rest[pivot] / eliminated[pivot];
             for (&k, other) in eliminated {
                 *rest.entry(k).or_insert(0.0) -= share * other;
             }
@@ -92,10 +94,11 @@ pub(super) fn determined(
             rank(**a).cmp(&rank(**b)).then(of_a.abs().total_cmp(&of_b.abs()))
         });
         if let Some((&pivot, _)) = best {
-            pivots.push((pivot, rest));
+            row_of.insert(pivot, rows.len());
+            rows.push((pivot, rest));
         }
     }
-    let mut found: Vec<usize> = pivots.into_iter().map(|(pivot, _)| pivot).collect();
+    let mut found: Vec<usize> = row_of.into_keys().collect();
     found.retain(|pivot| candidates.binary_search(pivot).is_ok());
     found
 }

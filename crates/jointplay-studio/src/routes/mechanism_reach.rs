@@ -2,13 +2,14 @@
 
 use axum::Json;
 use axum::extract::State;
+use jointplay::format::units;
 use jointplay::mechanism::{
     Kinematics, PointTarget, ReachedPoint, exaggerated_link_poses, reach_point,
 };
 use jointplay::nalgebra::Vector3;
 
 use crate::body::Body;
-use crate::mechanism_source::{self, ReadMechanism, play_scale};
+use crate::mechanism_source::{self, play_scale};
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::mechanism_view::{ReachRequest, ReachedDocument};
@@ -69,7 +70,7 @@ fn reach(request: &ReachRequest) -> Result<ReachedDocument, Problem> {
     let names = found.at_limits.iter().map(|&k| read.coordinates.all()[k].name.clone());
     let at_limits: Vec<String> = names.collect();
     Ok(ReachedDocument {
-        message: message(&read, &found, &at_limits),
+        message: message(&found, &at_limits),
         configuration: read.configuration(&found.closed, scale)?,
         position_m: Triple(found.position_in_base.into()),
         distance_m: found.distance,
@@ -85,13 +86,11 @@ fn vector(Triple(values): Triple, field: &str) -> Result<Vector3<f64>, Problem> 
 }
 
 /// The remaining distance, and what keeps the point there.
-fn message(read: &ReadMechanism, found: &ReachedPoint, at_limits: &[String]) -> Option<String> {
+fn message(found: &ReachedPoint, at_limits: &[String]) -> Option<String> {
     if found.distance <= REACHED {
         return None;
     }
-    let unit = read.file.units.length;
-    let distance =
-        format!("{:.*} {}", unit.decimals(), unit.from_meters(found.distance), unit.name());
+    let distance = format!("{:.4} mm", units::mm(found.distance));
     Some(match at_limits {
         [] => format!("The nearest reachable position is {distance} away."),
         [one] => format!("The nearest position within the limits of {one} is {distance} away."),

@@ -410,7 +410,7 @@ mod tests {
 
     #[test]
     fn blocks_beyond_the_memory_are_refused() {
-        // 2,000 rows with a block in each pair are too many; so are 200,000 rows, each with new blocks in the factor.
+        // 2,000 rows with a block in each pair are too many; so are 6,000 rows with three blocks each, whose factor is nearly full.
         let all = (0..2000).flat_map(|a| (0..a).map(move |b| [a, b]));
         let error = BlockPattern::new(2000, all).unwrap_err();
         let what = "blocks of a sparse matrix";
