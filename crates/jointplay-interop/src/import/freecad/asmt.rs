@@ -423,7 +423,7 @@ fn unknown(what: &'static str, value: Block, known: Vec<String>) -> Error {
 enum AssembledKind {
     /// A joint; `offset` is the distance of a plane (m).
     Joint { kind: JointKind, offset: f64 },
-    /// Joints in a row.
+    /// Joints in series.
     Series(SeriesKind),
     /// A constraint between the motions of two parts, by gears, a rack or a thread.
     Coupling(PartCoupling),

@@ -1,4 +1,4 @@
-//! Constraints of FreeCAD between two parts that are several joints in a row here, with links between them.
+//! Constraints of FreeCAD between two parts that are several joints in series here, with links between them.
 //!
 //! Each series has as many coordinates as the constraint leaves freedoms, so that rank and mobility do not change.
 
@@ -34,7 +34,7 @@ pub(super) enum SeriesKind {
     Angle(f64),
 }
 
-/// Joints in a row, and the links between them with their poses in the assembly as drawn (m).
+/// Joints in series, and the links between them with their poses in the assembly as drawn (m).
 #[derive(Default)]
 pub(super) struct JointSeries {
     pub(super) joints: Vec<Joint>,
