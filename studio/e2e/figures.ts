@@ -26,7 +26,7 @@ async function save(page: Page, name: string): Promise<void> {
 
 test('the robot and its motion', async () => {
   const [browser, server] = await Promise.all([browse(), serve()]);
-  const page = await visit(browser);
+  const page = await visit(browser, { deviceScaleFactor: 1 });
   await load(page, `${server.address}#pose=tilt,0,1.5,500,axis&model=polar,newton,paper&play=500&show=joints,arrows,frames,labels`);
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-9');
   await save(page, 'studio');
@@ -43,7 +43,7 @@ test('the robot and its motion', async () => {
 
 test('the robot as a picture for publications', async () => {
   const [browser, server] = await Promise.all([browse(), serve()]);
-  const page = await visit(browser, { viewport: { width: 1400, height: 800 } });
+  const page = await visit(browser, { deviceScaleFactor: 1, viewport: { width: 1400, height: 800 } });
   await load(page, `${server.address}#pose=tilt,20,1.5,500,axis&model=polar,newton,paper&play=400&show=joints,labels`);
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-9');
   // The panels would narrow the view.
@@ -69,7 +69,7 @@ test('a tool of parts', async () => {
   writeFileSync(join(folder, 'tool.toml'), block('toml').replaceAll('part = "blade"', 'part = "fork-blade"'));
   writeFileSync(join(folder, 'tool.program'), block('program'));
   const [browser, server] = await Promise.all([browse(), serve(0, ['--cell', join(folder, 'tool.toml')])]);
-  const page = await visit(browser, { viewport: { width: 1440, height: 900 } });
+  const page = await visit(browser, { deviceScaleFactor: 1, viewport: { width: 1440, height: 900 } });
   await load(page, server.address);
   await waitForCheck(page, 'passed');
   await until('the cell is drawn', async () => (await partNames(page)).length > 0 && (await page.evaluate(() => window.jointplay.probe.cellFrames > 0)));
@@ -82,7 +82,7 @@ test('a tool of parts', async () => {
 
 test('a mechanism', async () => {
   const [browser, server] = await Promise.all([browse(), serve(0, ['gpr-mechanism'])]);
-  const page = await visit(browser);
+  const page = await visit(browser, { deviceScaleFactor: 1 });
   await load(page, server.address);
   await page.getByTestId('redundant').getByRole('button').first().click();
   await page.getByText('Highlighted:').scrollIntoViewIfNeeded();
@@ -93,7 +93,7 @@ test('a mechanism', async () => {
 
 test('the cell', async () => {
   const fixture = await cellFixture(PROGRAM);
-  const page = await visit(fixture.browser);
+  const page = await visit(fixture.browser, { deviceScaleFactor: 1 });
   await load(page, fixture.server.address);
   await waitForCheck(page, 'passed');
   await until('the cell is drawn', async () => (await partNames(page)).length > 0 && (await page.evaluate(() => window.jointplay.probe.cellFrames > 0)));
@@ -138,7 +138,7 @@ test('a report', async () => {
   writeFileSync(slow, `SPEED 70 %\n${PROGRAM}`);
   const file = join(fixture.folder, 'report.html');
   execFileSync(COMMAND, ['cell', 'report', fixture.cellFile, '--before', slow, '--out', file]);
-  const page = await visit(fixture.browser, { viewport: { width: 1200, height: 1480 } });
+  const page = await visit(fixture.browser, { deviceScaleFactor: 1, viewport: { width: 1200, height: 1480 } });
   await page.goto(pathToFileURL(file).href);
   await save(page, 'cell-report');
   await fixture.close();
