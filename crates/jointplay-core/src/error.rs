@@ -192,12 +192,12 @@ pub enum Error {
     },
     /// A mechanism for which sparse algebra would need too much memory or time.
     #[error(
-        "loops and couplings connect too many parts of the mechanism: {found} {what}, but at most {allowed} are computed"
+        "loops and couplings connect too many parts of the mechanism: at least {found} {what}, but at most {allowed} are computed"
     )]
     TooConnected {
         /// What there is too much of.
         what: &'static str,
-        /// How many there are, or how many were found until the limit.
+        /// How many were found; there may be more.
         found: usize,
         /// How many may be.
         allowed: usize,

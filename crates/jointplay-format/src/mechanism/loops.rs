@@ -5,7 +5,7 @@ use jointplay_core::spatial::Pose;
 use nalgebra::DVector;
 use toml::de::DeValue;
 
-use super::coupling::coupling;
+use super::coupling::{NamedCoordinates, coupling};
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::problem::{Errors, Problem};
@@ -90,9 +90,12 @@ fn closed(chain: &Mechanism, top: &Table) -> Option<Mechanism> {
         .collect();
     let of_chain = chain.joints().iter().cloned().map(Some);
     let joints: Vec<Option<Joint>> = of_chain.chain(added).collect();
+    let named_coordinates = NamedCoordinates::new(&joints);
     let mut coupling_tables = top.tables("coupling");
-    let couplings: Vec<_> =
-        coupling_tables.iter_mut().map(|table| coupling(&values, table, &joints)).collect();
+    let couplings: Vec<_> = coupling_tables
+        .iter_mut()
+        .map(|table| coupling(&values, table, &named_coordinates))
+        .collect();
     let joints = joints.into_iter().collect::<Option<Vec<Joint>>>()?;
     let couplings = couplings.into_iter().collect::<Option<Vec<Coupling>>>()?;
     let couplings = chain.couplings().iter().cloned().chain(couplings).collect();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use jointplay_core::mechanism::{Joint, Mechanism, MechanismError};
 
 use super::attached_frame::attached_frame;
-use super::coupling::coupling;
+use super::coupling::{NamedCoordinates, coupling};
 use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::names::{printable_name, prose};
@@ -171,9 +171,12 @@ fn mechanism(
     let known = Joints::new(&tables, &joints, &links.names);
     let virtual_joints: Vec<_> =
         virtual_tables.iter_mut().map(|table| virtual_joint(values, table, &known)).collect();
+    let named_coordinates = NamedCoordinates::new(&joints);
     let mut coupling_tables = top.tables("coupling");
-    let couplings: Vec<_> =
-        coupling_tables.iter_mut().map(|table| coupling(values, table, &joints)).collect();
+    let couplings: Vec<_> = coupling_tables
+        .iter_mut()
+        .map(|table| coupling(values, table, &named_coordinates))
+        .collect();
     let mut frame_tables = top.tables("frame");
     let frames: Vec<_> =
         frame_tables.iter_mut().map(|table| attached_frame(values, table, &links)).collect();
