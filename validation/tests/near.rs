@@ -68,6 +68,15 @@ fn closed(mechanism: &Mechanism, tolerance: f64) -> DVector<f64> {
 /// Made not quite true, a mechanism has the mobility that is counted, and its own within a tolerance in proportion to what is untrue.
 #[test]
 fn untrue_mechanisms_move_within_a_tolerance() {
+    check_untrue_mechanisms(1);
+}
+
+#[test]
+fn otherwise_untrue_mechanisms_move_within_a_tolerance() {
+    check_untrue_mechanisms(2);
+}
+
+fn check_untrue_mechanisms(seed: u64) {
     let mut failures = Vec::new();
     for (name, mechanism) in mechanisms() {
         let system = MechanismSystem::new(&mechanism, closed(&mechanism, 0.0)).unwrap();
@@ -79,31 +88,28 @@ fn untrue_mechanisms_move_within_a_tolerance() {
         let freedoms: Vec<_> = mechanism.joints().iter().map(|one| one.kind.freedoms()).collect();
         let counted = kutzbach_mobility(mechanism.links().len(), &freedoms).max(0);
         let counted = usize::try_from(counted).unwrap();
-        for seed in 1..=3 {
-            let mut shares = Vec::new();
-            for by in [1e-4, 1e-5, 1e-6] {
-                let untrue = perturbed(&mechanism, by, seed);
-                let tolerance = most.min(30.0 * by);
-                let system = MechanismSystem::new(&untrue, closed(&untrue, tolerance)).unwrap();
-                let at = system.at_home();
-                let near = near_mobility(&system, &at, tolerance).unwrap();
-                let forced = ForcedClosure::new(&system, &at);
-                let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();
-                if (near.mobility, real) != (mobility, counted) {
-                    failures
-                        .push(format!("{name} {by}: {mobility} exactly, {real} finite, {near:?}"));
-                }
-                if mobility > counted {
-                    shares.push(near.needed / by);
-                } else if near.needed > 1e-13 {
-                    failures.push(format!("{name} {by}: finite motion, {near:?}"));
-                }
+        let mut shares = Vec::new();
+        for by in [1e-4, 1e-5, 1e-6] {
+            let untrue = perturbed(&mechanism, by, seed);
+            let tolerance = most.min(30.0 * by);
+            let system = MechanismSystem::new(&untrue, closed(&untrue, tolerance)).unwrap();
+            let at = system.at_home();
+            let near = near_mobility(&system, &at, tolerance).unwrap();
+            let forced = ForcedClosure::new(&system, &at);
+            let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();
+            if (near.mobility, real) != (mobility, counted) {
+                failures.push(format!("{name} {by}: {mobility} exactly, {real} finite, {near:?}"));
             }
-            // In proportion, within what it matters that the configuration nearest to closed moves about.
-            let most = shares.iter().copied().fold(0.0, f64::max);
-            if shares.iter().any(|&share| !(0.05..20.0).contains(&share) || share < most / 10.0) {
-                failures.push(format!("{name}: {shares:?}"));
+            if mobility > counted {
+                shares.push(near.needed / by);
+            } else if near.needed > 1e-13 {
+                failures.push(format!("{name} {by}: finite motion, {near:?}"));
             }
+        }
+        // In proportion, within what it matters that the configuration nearest to closed moves about.
+        let most = shares.iter().copied().fold(0.0, f64::max);
+        if shares.iter().any(|&share| !(0.05..20.0).contains(&share) || share < most / 10.0) {
+            failures.push(format!("{name}: {shares:?}"));
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));

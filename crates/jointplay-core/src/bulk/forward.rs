@@ -213,7 +213,7 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
             let found = W::found::<S, M>(&task, &balls);
             let upright = balls.mean.like(0.0).below(found.area * geometry.base_area);
             let certain = fill::<S, M>(&mut values, &needs, &task, &balls, &found);
-            let mut solved = found.met & upright & certain & balls.moderate();
+            let mut solved = found.met & upright & certain & balls.moderate(&rods);
             if let Some(limits) = &limits {
                 solved = solved & limits.holds(geometry, &rods, &balls);
             }

@@ -23,19 +23,18 @@ pub(crate) struct Found<S: Simd> {
     pub(crate) b: Three<S>,
     /// Twice the signed area of the sockets (m²).
     pub(crate) area: Lanes<S>,
-    /// Difference of the sides, see [`Balls::worst`].
-    pub(super) worst: Lanes<S>,
+    /// Difference of each squared side from that of the sockets (m²).
+    pub(super) missing: Three<S>,
     pub(crate) iterations: Lanes<S>,
     /// Where the sides are met.
     pub(crate) met: Mask<S>,
 }
 
 impl<S: Simd> Found<S> {
-    /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits (m).
+    /// Largest difference between a side and its virtual length (m).
     #[inline(always)]
     pub(crate) fn residual(&self, balls: &Balls<S>) -> Lanes<S> {
-        // What the division needs is there long before the rest.
-        (self.worst * (balls.product.like(0.25) / balls.product)).sqrt()
+        balls.residual(&self.missing)
     }
 }
 

@@ -11,8 +11,8 @@ use pulp::Simd;
 use super::found::{Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless};
 use super::geometry::{Geometry, Task};
 use super::lanes::{Lanes, Mask};
-use super::shape::{Balls, Three};
-use super::trigonometry::{sin_cos_of_steps, tiny_steps};
+use super::shape::{Balls, Three, within};
+use super::trigonometry::{sin_cos_of_steps, small_steps, tiny_steps};
 
 /// The sockets of many poses, in polar coordinates.
 #[derive(Clone, Copy)]
@@ -108,12 +108,12 @@ impl<S: Simd> Sockets<S> {
     fn found(
         &self,
         response: &Response<S>,
-        worst: Lanes<S>,
+        missing: Three<S>,
         iterations: Lanes<S>,
         met: Mask<S>,
     ) -> Found<S> {
         let [t_0, t_1, t_2] = response.by_turn;
-        Found { a: self.l, b: self.phi, area: t_0 + t_1 + t_2, worst, iterations, met }
+        Found { a: self.l, b: self.phi, area: t_0 + t_1 + t_2, missing, iterations, met }
     }
 }
 
@@ -141,7 +141,7 @@ fn begin<S: Simd>(
         sockets.phi = step.phi();
         step.independent
     };
-    let (sines, versines) = sin_cos_of_steps(between(sockets.phi));
+    let (sines, versines) = small_steps(between(sockets.phi));
     sockets.turn(&sines, &versines);
     (sockets, independent)
 }
@@ -165,33 +165,31 @@ pub(super) fn newton<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let one = balls.mean.like(1.0);
     let nominal = Sockets::nominal(task.geometry, zero);
     let at_start = balls.missing_at_start(task.geometry);
-    let bound = balls.bound(task.threshold);
-    let met = balls.worst(&at_start).below(bound);
+    let bounds = balls.bounds(task.threshold);
+    let met = within(&at_start, &bounds);
     let (sockets, independent) = begin(task, &nominal, &unless(met, at_start));
     let response = sockets.response();
     let missing = sockets.missing(&response, balls);
-    let worst = balls.worst(&missing);
     let mut at = Iterate {
         sockets,
         response,
         missing,
-        worst,
-        met: met | worst.below(bound),
+        met: met | within(&missing, &bounds),
         doubtful: !(independent | met),
         iterations: met.select(zero, one),
     };
     let steps = task.max_iterations.min(NEWTON_STEPS);
     // The second step, which nearly always is the last one, by itself: the registers of a loop would be moved to and fro.
     if steps > 1 && !at.met.all() {
-        at.advance(task, balls, bound);
+        at.advance(task, balls, &bounds);
         for _ in 2..steps {
             if at.met.all() {
                 break;
             }
-            at.advance(task, balls, bound);
+            at.advance(task, balls, &bounds);
         }
     }
-    at.sockets.found(&at.response, at.worst, at.iterations, at.met & !at.doubtful)
+    at.sockets.found(&at.response, at.missing, at.iterations, at.met & !at.doubtful)
 }
 
 /// Where Newton's method is.
@@ -199,7 +197,6 @@ struct Iterate<S: Simd> {
     sockets: Sockets<S>,
     response: Response<S>,
     missing: Three<S>,
-    worst: Lanes<S>,
     met: Mask<S>,
     /// Where the sides were nearly dependent.
     doubtful: Mask<S>,
@@ -208,8 +205,8 @@ struct Iterate<S: Simd> {
 
 impl<S: Simd> Iterate<S> {
     #[inline(always)]
-    fn advance(&mut self, task: &Task<'_>, balls: &Balls<S>, bound: Lanes<S>) {
-        let (zero, one) = (bound.like(0.0), bound.like(1.0));
+    fn advance(&mut self, task: &Task<'_>, balls: &Balls<S>, bounds: &Three<S>) {
+        let (zero, one) = (bounds[0].like(0.0), bounds[0].like(1.0));
         // Nothing is missing where the sides are met, so that the step is none.
         let step = step(task, &self.response, &unless(self.met, self.missing), 0.5);
         self.doubtful = self.doubtful | !(step.independent | self.met);
@@ -221,8 +218,7 @@ impl<S: Simd> Iterate<S> {
         self.iterations = self.iterations + self.met.select(zero, one);
         self.response = self.sockets.response();
         self.missing = self.sockets.missing(&self.response, balls);
-        self.worst = balls.worst(&self.missing);
-        self.met = self.met | self.worst.below(bound);
+        self.met = self.met | within(&self.missing, bounds);
     }
 }
 
@@ -234,7 +230,7 @@ pub(super) fn least_norm<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S>
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
     let nominal = Sockets::nominal(task.geometry, zero);
-    let bound = balls.bound(task.threshold);
+    let bounds = balls.bounds(task.threshold);
     let least_step = balls.longest_squared() * (0.25 * task.threshold);
     let at_start = balls.missing_at_start(task.geometry);
     let (mut sockets, independent) = begin(task, &nominal, &at_start);
@@ -247,8 +243,7 @@ pub(super) fn least_norm<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S>
     let mut iterations = one;
     let mut response = sockets.response();
     let mut missing = sockets.missing(&response, balls);
-    let mut worst = balls.worst(&missing);
-    let mut met = last_squared.at_most(least_step) & worst.below(bound);
+    let mut met = last_squared.at_most(least_step) & within(&missing, &bounds);
     for _ in 1..task.max_iterations.min(LEAST_NORM_STEPS) {
         if (met | doubtful).all() {
             break;
@@ -284,12 +279,11 @@ pub(super) fn least_norm<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S>
         iterations = iterations + met.select(zero, one);
         response = sockets.response();
         missing = sockets.missing(&response, balls);
-        worst = balls.worst(&missing);
         last_squared = by_squared;
-        let now = last_squared.at_most(least_step) & worst.below(bound);
+        let now = last_squared.at_most(least_step) & within(&missing, &bounds);
         met = met | (now & !doubtful);
     }
-    sockets.found(&response, worst, iterations, met)
+    sockets.found(&response, missing, iterations, met)
 }
 
 /// The least step that gives each squared side what it lacks: W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ · target · share, with halves of J.

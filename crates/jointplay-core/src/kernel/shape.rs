@@ -21,8 +21,6 @@ pub(crate) struct Balls<S: Simd> {
     pub(crate) rises: Three<S>,
     /// Squared sides L_ij² (m²).
     pub(crate) squares: Three<S>,
-    /// Product of all three squares (m⁶).
-    pub(super) product: Lanes<S>,
 }
 
 impl<S: Simd> Balls<S> {
@@ -34,9 +32,7 @@ impl<S: Simd> Balls<S> {
         for k in 0..3 {
             squares[k] = rises[k].times_plus(rises[k], q_1.like(geometry.base_squares[k]));
         }
-        let [l_1, l_2, l_3] = squares;
-        let product = l_1 * l_2 * l_3;
-        Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares, product }
+        Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares }
     }
 
     /// Difference of each squared side from that of the nominal sockets (m²).
@@ -49,30 +45,35 @@ impl<S: Simd> Balls<S> {
         missing
     }
 
-    /// Largest of the squared differences of squared sides, each times the squares of the other two sides (m⁸).
-    ///
-    /// Compared with the product of all three squares it is the largest share, for which no division is needed.
+    /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits (m).
     #[inline(always)]
-    pub(crate) fn worst(&self, missing: &Three<S>) -> Lanes<S> {
+    pub(crate) fn residual(&self, missing: &Three<S>) -> Lanes<S> {
         let [m_1, m_2, m_3] = *missing;
         let [l_1, l_2, l_3] = self.squares;
+        // Each share times the product of all squares, so that one division is enough; what it needs is there long before the rest.
+        let product = l_1 * l_2 * l_3;
         let (a, b, c) = (m_1.squared() * l_2, m_2.squared() * l_1, m_3.squared() * l_2);
-        (a.max(b) * l_3).max(c * l_1)
+        let worst = (a.max(b) * l_3).max(c * l_1);
+        (worst * (product.like(0.25) / product)).sqrt()
     }
 
-    /// What [`Self::worst`] is below where all sides are within the threshold of a task (m⁸).
+    /// What the squares of the differences of squared sides are below where all sides are within the threshold of a task (m⁴).
     ///
     /// Zero where numbers are too small for it, so that nothing is below.
     #[inline(always)]
-    pub(crate) fn bound(&self, threshold: f64) -> Lanes<S> {
+    pub(crate) fn bounds(&self, threshold: f64) -> Three<S> {
         // |L − l| ≤ ε max L, squared and with (L + l)² = 4 L², for which no root is needed.
-        self.longest_squared() * threshold * self.product
+        let most = self.longest_squared() * threshold;
+        let [l_1, l_2, l_3] = self.squares;
+        [most * l_1, most * l_2, most * l_3]
     }
 
-    /// Lanes whose rods and squared sides are far below [`LARGEST_LENGTH`].
+    /// Lanes whose rods and squared sides are far below [`LARGEST_LENGTH`]; false where any is not a number.
     #[inline(always)]
-    pub(crate) fn moderate(&self) -> Mask<S> {
-        self.longest_squared().max(self.mean.abs()).at_most(self.mean.like(0.25 * LARGEST_LENGTH))
+    pub(crate) fn moderate(&self, rods: &Three<S>) -> Mask<S> {
+        // Sums, since the larger of a number and none may be the number; rods differ by less than a side.
+        let [l_1, l_2, l_3] = self.squares;
+        (l_1 + l_2 + (l_3 + rods[0].abs())).at_most(l_1.like(0.25 * LARGEST_LENGTH))
     }
 
     /// Square of the longest side (m²).
@@ -81,6 +82,18 @@ impl<S: Simd> Balls<S> {
         let [l_1, l_2, l_3] = self.squares;
         l_1.max(l_2).max(l_3)
     }
+}
+
+/// Where the squares of three numbers are below their bounds.
+///
+/// A number that is none may pass unseen: poses with one are found by [`Balls::moderate`].
+#[inline(always)]
+pub(super) fn within<S: Simd>(numbers: &Three<S>, bounds: &Three<S>) -> Mask<S> {
+    let [a, b, c] = *numbers;
+    let [most_a, most_b, most_c] = *bounds;
+    let (over_a, over_b) = (a.times_plus(a, -most_a), b.times_plus(b, -most_b));
+    let over_c = c.times_plus(c, -most_c);
+    over_a.max(over_b).max(over_c).below(a.like(0.0))
 }
 
 /// The triangle of the sockets of many poses, with the virtual joints that make it.

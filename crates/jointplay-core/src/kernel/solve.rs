@@ -10,7 +10,7 @@ use super::lanes::{Lanes, Mask};
 use super::model::{self, Model};
 use super::polar;
 use super::pose::Plane;
-use super::shape::{Balls, Response, Shape, Three, first_step};
+use super::shape::{Balls, Response, Shape, Three, first_step, within};
 use crate::virtualization::Solver;
 
 /// How a kernel finds the virtual joints.
@@ -68,16 +68,15 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
     let at_start = balls.missing_at_start(task.geometry);
-    let bound = balls.bound(task.threshold);
-    let mut met = balls.worst(&at_start).below(bound);
+    let bounds = balls.bounds(task.threshold);
+    let mut met = within(&at_start, &bounds);
     let mut shape = Shape::start::<M>(task.geometry, zero);
     let (by_a, by_b, independent) = begin::<S, M>(task, &shape, &unless(met, at_start));
     let mut doubtful = !(independent | met);
     shape.advance::<M>(task.geometry, by_a, by_b);
     let mut iterations = met.select(zero, one);
     let mut missing = shape.missing(balls);
-    let mut worst = balls.worst(&missing);
-    met = met | worst.below(bound);
+    met = met | within(&missing, &bounds);
     for _ in 1..task.max_iterations.min(NEWTON_STEPS) {
         if met.all() {
             break;
@@ -89,10 +88,9 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         shape.advance::<M>(task.geometry, by_a, by_b);
         iterations = iterations + met.select(zero, one);
         missing = shape.missing(balls);
-        worst = balls.worst(&missing);
-        met = met | worst.below(bound);
+        met = met | within(&missing, &bounds);
     }
-    Found { a: shape.a, b: shape.b, area: shape.area(), worst, iterations, met: met & !doubtful }
+    Found { a: shape.a, b: shape.b, area: shape.area(), missing, iterations, met: met & !doubtful }
 }
 
 /// The least displacement near nominal, see [`Solver::LeastNorm`](crate::virtualization::Solver::LeastNorm).
@@ -102,7 +100,7 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
-    let bound = balls.bound(task.threshold);
+    let bounds = balls.bounds(task.threshold);
     let least_step = balls.longest_squared() * (0.25 * task.threshold);
     let at_start = balls.missing_at_start(task.geometry);
     let mut shape = Shape::start::<M>(task.geometry, zero);
@@ -112,8 +110,7 @@ fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> 
     let mut last_squared = squared::<S, M>(task, &by_a, &by_b);
     let mut iterations = one;
     let mut missing = shape.missing(balls);
-    let mut worst = balls.worst(&missing);
-    let mut met = last_squared.at_most(least_step) & worst.below(bound);
+    let mut met = last_squared.at_most(least_step) & within(&missing, &bounds);
     // Where a step turned back on the last one, or the sides were nearly dependent.
     let mut doubtful = !independent;
     for _ in 1..task.max_iterations.min(LEAST_NORM_STEPS) {
@@ -154,13 +151,12 @@ fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> 
         shape.advance::<M>(task.geometry, by_a, by_b);
         iterations = iterations + met.select(zero, one);
         missing = shape.missing(balls);
-        worst = balls.worst(&missing);
         last_squared = squared::<S, M>(task, &by_a, &by_b);
         (last_a, last_b) = (by_a, by_b);
-        let now = last_squared.at_most(least_step) & worst.below(bound);
+        let now = last_squared.at_most(least_step) & within(&missing, &bounds);
         met = met | (now & !doubtful);
     }
-    Found { a: shape.a, b: shape.b, area: shape.area(), worst, iterations, met }
+    Found { a: shape.a, b: shape.b, area: shape.area(), missing, iterations, met }
 }
 
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
@@ -217,13 +213,13 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 
 #[inline(always)]
 fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
-    let worst = balls.worst(&shape.missing(balls));
-    let met = worst.below(balls.bound(task.threshold));
+    let missing = shape.missing(balls);
+    let met = within(&missing, &balls.bounds(task.threshold));
     Found {
         a: shape.a,
         b: shape.b,
         area: shape.area(),
-        worst,
+        missing,
         iterations: balls.mean.like(0.0),
         met,
     }

@@ -135,13 +135,42 @@ pub(crate) fn tiny_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3], [Lan
         sines[k] = (angles[k] * (1.0 / 6.0)).times_from(squares[k], angles[k]);
         versines[k] = squares[k] * 0.5;
     }
-    let [a, b, c] = squares;
-    let tiny = a.max(b).max(c).at_most(a.like(1e-8));
-    if !tiny.all() {
-        let (any_sines, any_versines) = sin_cos_of_steps(angles);
+    where_near(&angles, &squares, 1e-8, sines, versines)
+}
+
+/// Sines and versines of three angles that are mostly below 10⁻³ (rad).
+///
+/// # Numerics
+/// As [`tiny_steps`], by one more term each.
+#[inline(always)]
+pub(crate) fn small_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
+    let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
+    let (mut sines, mut versines) = (squares, squares);
+    for k in 0..3 {
+        let square = squares[k];
+        sines[k] = (angles[k] * (1.0 / 6.0)).times_from(square, angles[k]);
+        versines[k] = square * square.times_plus(square.like(-1.0 / 24.0), square.like(0.5));
+    }
+    // x⁵/120 is then below 5·10⁻¹⁷.
+    where_near(&angles, &squares, 2e-6, sines, versines)
+}
+
+/// The given sines and versines of three angles where all their squares are at most `near`, else [`sin_cos_of_steps`].
+#[inline(always)]
+fn where_near<S: Simd>(
+    angles: &[Lanes<S>; 3],
+    squares: &[Lanes<S>; 3],
+    near: f64,
+    mut sines: [Lanes<S>; 3],
+    mut versines: [Lanes<S>; 3],
+) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
+    let [a, b, c] = *squares;
+    let near = a.max(b).max(c).at_most(a.like(near));
+    if !near.all() {
+        let (any_sines, any_versines) = sin_cos_of_steps(*angles);
         for k in 0..3 {
-            sines[k] = tiny.select(sines[k], any_sines[k]);
-            versines[k] = tiny.select(versines[k], any_versines[k]);
+            sines[k] = near.select(sines[k], any_sines[k]);
+            versines[k] = near.select(versines[k], any_versines[k]);
         }
     }
     (sines, versines)

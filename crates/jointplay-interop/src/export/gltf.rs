@@ -44,7 +44,7 @@ pub const KEY_TOLERANCE: f64 = 1e-6;
 /// Rods, platform and links are drawn by simple shapes where the cell gives them no bodies.
 ///
 /// # Arguments
-/// * `rate` – keys a second, between which viewers interpolate by cubics; the last key is the end of the motion (Hz)
+/// * `rate` – samples a second; others are at the end of the motion, and wherever the jerk of an axis jumps (Hz)
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::TooLarge`]
@@ -72,7 +72,7 @@ pub fn gltf_within(
     tolerance: f64,
 ) -> Result<Vec<u8>, Error> {
     check_tolerance(tolerance)?;
-    let scene = Scene::of(motion_export, rate, true)?;
+    let scene = Scene::of(motion_export, key_times(motion_export, rate)?, true)?;
     let mut document = Document::default();
     let mut parts = Parts::default();
     // The first node is the base, whose children are known at the end.
@@ -109,6 +109,23 @@ pub fn gltf_within(
         animation: if is_safe { "program" } else { "program, NOT SAFE TO RUN" },
         notes: &notes(motion_export),
     })
+}
+
+/// Times at which there may be keys: at equal intervals, and where the jerk of an axis jumps, since no cubic fits a motion across it (s).
+///
+/// They are numbers of single precision, so that values and rates are those at the times of the file: late in a long motion, the nearest such number is so far that the velocity there is another.
+fn key_times(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<f64>, Error> {
+    motion_export.check_rate(rate)?;
+    let motion = motion_export.motion;
+    let jumps = (0..motion.steps.len()).flat_map(|step| {
+        let start = motion.times[step];
+        motion.jerk_discontinuities(step).into_iter().map(move |since| start + since)
+    });
+    let rounded = |time: f64| f64::from(single(time)).min(motion.duration());
+    let mut times: Vec<f64> = motion.sample_times(rate).iter().chain(jumps).map(rounded).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    Ok(times)
 }
 
 /// Weight of an origin in the division of a tolerance among the frames of a chain, as the distance of a point from the origin of a frame is that of its rotation (m).

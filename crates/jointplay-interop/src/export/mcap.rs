@@ -78,8 +78,10 @@ struct File {
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::Mcap`]
 pub fn write(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Error> {
-    let scene = Scene::of(motion_export, rate, false)?;
+    motion_export.check_rate(rate)?;
     let samples: Vec<Sample> = motion_export.motion.samples(rate).collect();
+    let times = samples.iter().map(|sample| sample.time).collect();
+    let scene = Scene::of(motion_export, times, false)?;
     let options = WriteOptions::new()
         .compression(None)
         .profile("ros2")

@@ -15,6 +15,9 @@ use super::wafer_frames::{WaferFrame, WaferFrames};
 /// Interval before and after a sample over which rates are differences (s).
 const MOMENT: f64 = 1e-5;
 
+/// Differences of two neighbouring [`MOMENT`]s above this have a jump between them: an acceleration of 100 m/s² or 1/s² makes a difference of it (m, or parts of a quaternion).
+const JUMP: f64 = 1e-8;
+
 /// Largest number of poses that are kept in memory, 112 bytes each.
 const MOST_POSES: f64 = 2e7;
 
@@ -75,25 +78,26 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// The frames of a motion at equal intervals of time and at its end.
+    /// The frames of a motion at given times.
     ///
     /// # Arguments
+    /// * `times` – in growing order (s)
     /// * `with_rates` – whether to compute the rates
     pub(super) fn of(
         motion_export: &MotionExport<'_>,
-        rate: f64,
+        times: Vec<f64>,
         with_rates: bool,
     ) -> Result<Self, Error> {
-        motion_export.check_rate(rate)?;
         let MotionExport { cell, motion, .. } = *motion_export;
-        let mut scene = Self { times: Vec::new(), tracks: tracks(cell) };
+        let mut scene = Self { times, tracks: tracks(cell) };
         let mut wafers = WaferFrames::new(motion_export);
         scene.tracks.extend(wafer_tracks(cell, &wafers.locations));
-        let found = motion.duration() * rate * scene.tracks.len() as f64;
+        let found = scene.times.len() as f64 * scene.tracks.len() as f64;
         if found > MOST_POSES {
             return Err(Error::TooManyPoses { found, allowed: MOST_POSES });
         }
-        for sample in motion.samples(rate) {
+        for &time in &scene.times {
+            let sample = motion.sample_at(time);
             wafers.advance_to(sample.time)?;
             let carried = loaded(motion_export, sample.step);
             let pose = |moment: f64| {
@@ -102,7 +106,6 @@ impl Scene {
                 placed(motion_export, sample.time, &positions, carried)
             };
             let now = pose(0.0)?;
-            scene.times.push(sample.time);
             for track in &mut scene.tracks {
                 track.push(&track.pose(cell, &wafers.frames, &now));
             }
@@ -169,8 +172,8 @@ impl Track {
         if poses[0] == poses[1] && poses[1] == poses[2] {
             return self.rates.push(Rate::default());
         }
-        let place = slower(poses.each_ref().map(|pose| pose.translation.vector));
-        let turn = slower(poses.each_ref().map(|pose| self.turn(pose)));
+        let place = rate(poses.each_ref().map(|pose| pose.translation.vector));
+        let turn = rate(poses.each_ref().map(|pose| self.turn(pose)));
         self.rates.push(Rate { place, turn });
     }
 
@@ -184,10 +187,16 @@ impl Track {
     }
 }
 
-/// Rate from the smaller of both one-sided differences: at the edge of a droop table, where the droop jumps, the other one contains the jump.
-fn slower<const N: usize>([before, now, after]: [SVector<f64, N>; 3]) -> [f64; N] {
+/// Rate from the difference over both moments, or from the smaller of both one-sided differences at the edge of a droop table, where the droop jumps: the other one contains the jump.
+fn rate<const N: usize>([before, now, after]: [SVector<f64, N>; 3]) -> [f64; N] {
     let (one, other) = (now - before, after - now);
-    let gone = if one.norm() < other.norm() { one } else { other };
+    let gone = if (other - one).norm() < JUMP {
+        (after - before) * 0.5
+    } else if one.norm() < other.norm() {
+        one
+    } else {
+        other
+    };
     <[f64; N]>::from(gone / MOMENT).map(|part| rounded(part, 1e6))
 }
 
