@@ -1,10 +1,14 @@
 //! `cargo xtask test`: everything a change must pass, stopping at the first failure.
 //!
 //! Quick steps come first; while the others compile, what they need from the network is fetched. Benches are compiled by clippy's `--all-targets`.
+//! What runs other programs comes last, some of it side by side; the tests of the page wait for pictures, and have the machine to themselves.
 
 mod ahead;
+mod beside;
+mod logged;
 
 use self::ahead::Ahead;
+use self::beside::Beside;
 use crate::{
     book, c_library, cell, circles, deps, embedded, package, page, python, studio, tidy, wasm,
     words,
@@ -65,7 +69,7 @@ pub(crate) fn run(root: &Path) -> bool {
             return false;
         }
     };
-    let mut ahead = Ahead::default();
+    let (mut ahead, mut beside) = (Ahead::default(), Beside::default());
     run_steps(&steps(&examples), |step| match step.arguments.join(" ").as_str() {
         // Already in this program: no need to start it again.
         "xtask tidy" => tidy::run(root),
@@ -77,14 +81,22 @@ pub(crate) fn run(root: &Path) -> bool {
             run_cargo(step, root)
         }
         "xtask package" => package::run(root, false),
-        "xtask book" => book::run(root),
+        "xtask book" => {
+            for chore in ["studio", "python"] {
+                if !ahead.wait(chore) {
+                    return false;
+                }
+                beside.start(chore, root);
+            }
+            book::run(root)
+        }
         "xtask embedded --check" => embedded::check(root),
         "xtask wasm --check" => wasm::check(root),
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask c" => ahead.wait("c") && c_library::run(root),
-        "xtask studio" => ahead.wait("studio") && studio::run(root),
+        "xtask studio" => beside.finish("studio").unwrap_or_else(|| studio::run(root)),
+        "xtask python" => beside.finish("python").unwrap_or_else(|| python::run(root)),
         "xtask page" => ahead.wait("page") && page::run(root),
-        "xtask python" => ahead.wait("python") && python::run(root),
         line if line.starts_with(EXAMPLE) => run_example(&line[EXAMPLE.len()..], root),
         _ => run_cargo(step, root),
     })
@@ -150,12 +162,12 @@ fn steps(examples: &[String]) -> Vec<Step> {
         "send the request that failed by the `curl` line shown, to `jointplay studio`",
     ));
     steps.push(Step::new(
-        "xtask page",
-        "run the failing test alone, see CONTRIBUTING.md, \"The studio's page\"",
-    ));
-    steps.push(Step::new(
         "xtask python",
         "run the failing test alone, see CONTRIBUTING.md, \"Python\"",
+    ));
+    steps.push(Step::new(
+        "xtask page",
+        "run the failing test alone, see CONTRIBUTING.md, \"The studio's page\"",
     ));
     steps
 }
@@ -270,8 +282,8 @@ mod tests {
             "cargo xtask cell",
             "cargo xtask c",
             "cargo xtask studio",
-            "cargo xtask page",
             "cargo xtask python",
+            "cargo xtask page",
         ];
         assert_eq!(lines(&["01_a"]), expect);
         assert_eq!(lines(&[]).len(), expect.len() - 1);

@@ -1,8 +1,7 @@
 //! The range of distances that effectors reach, against many positions of their motors.
 #![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
-#[expect(dead_code, reason = "robots are enough here")]
-mod common;
+use crate::common;
 
 use common::{KINDS, kind};
 use jointplay_cell::robot::{EffectorId, RODS};

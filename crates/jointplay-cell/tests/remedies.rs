@@ -2,8 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
-#[expect(dead_code, reason = "one kind of robot is enough here")]
-mod common;
+use crate::common;
 
 use common::A;
 use jointplay_cell::EntityId;

@@ -1,7 +1,7 @@
 //! Couplings of joints, compared with joints that move so by themselves and with closed forms.
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod robot;
+use crate::robot;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

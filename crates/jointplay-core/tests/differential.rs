@@ -1,7 +1,7 @@
 //! Velocities, accelerations and Jacobians of mechanisms: against differences of positions, and where there are none.
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod robot;
+use crate::robot;
 
 use jointplay_core::Error;
 use jointplay_core::gpr::{AxisHeight, Gpr};

@@ -1,7 +1,7 @@
 //! Laws of mechanisms in general, and the robot described as one.
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod robot;
+use crate::robot;
 
 use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};

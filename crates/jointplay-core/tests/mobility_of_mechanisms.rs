@@ -2,8 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 #![expect(clippy::cast_precision_loss, reason = "small counts")]
 
-mod families;
-mod robot;
+use crate::families;
+use crate::robot;
 
 use jointplay_core::mechanism::{
     Joint, JointKind, Mechanism, MechanismMobility, MechanismSystem, SparseMobility, SparseSystem,

@@ -1,7 +1,7 @@
 //! Fast positions where there are none, and again.
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod robot;
+use crate::robot;
 
 use jointplay_core::Error;
 use jointplay_core::mechanism::{

@@ -1,7 +1,7 @@
 //! The reachable configuration nearest a wanted position of a point: closed forms, scans of coupler curves, limits, and laws of random rings.
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod planar;
+use crate::planar;
 
 use jointplay_core::Error;
 use jointplay_core::mechanism::{

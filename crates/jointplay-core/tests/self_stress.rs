@@ -1,7 +1,7 @@
 //! Redundant constraints in textbook form.
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod robot;
+use crate::robot;
 
 use std::collections::BTreeSet;
 

@@ -1,8 +1,8 @@
 //! Sparse algebra against dense, and mechanisms too large for dense.
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod families;
-mod robot;
+use crate::families;
+use crate::robot;
 
 use families::{bennett_row, scissor_lift};
 use jointplay_core::Error;

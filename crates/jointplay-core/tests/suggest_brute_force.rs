@@ -3,7 +3,7 @@
 //! Here the unknowns are the poses of all links, not joint coordinates; derivatives are differences; and the least displacement is that of a penalty method.
 #![allow(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod robot;
+use crate::robot;
 
 use jointplay_core::Error;
 use jointplay_core::mechanism::{

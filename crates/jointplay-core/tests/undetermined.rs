@@ -1,7 +1,7 @@
 //! Joints that are neither commanded nor determined by the commands: they move least.
 #![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
-mod robot;
+use crate::robot;
 
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{

@@ -501,6 +501,6 @@ fn the_reference_lists_the_parts_of_the_library() {
     }
     assert!(
         std::fs::read_to_string(path).unwrap() == expected,
-        "docs/reference/parts.md differs from the library; rewrite it by\n  INSTA_UPDATE=always cargo test -p jointplay-format --test cell_parts"
+        "docs/reference/parts.md differs from the library; rewrite it by\n  INSTA_UPDATE=always cargo test -p jointplay-format --test all cell_parts"
     );
 }

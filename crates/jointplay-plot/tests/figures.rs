@@ -1,6 +1,6 @@
 //! Representative figures, as SVG and as PNG: complete, readable, sound, and the same every time.
 
-mod gallery;
+use crate::gallery;
 
 use jointplay_plot::{Axis, Curve, Error, Figure, Panel, rod_style};
 use resvg::tiny_skia::{Pixmap, Rect};

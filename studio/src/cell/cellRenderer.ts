@@ -346,7 +346,7 @@ export class CellRenderer extends SceneRenderer {
     const [from, to] = this.#measured;
     if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true });
     if (this.#nearestLabel) labels.unshift(this.#nearestLabel);
-    return { labels, covered: { left: 8, right: 8 } };
+    return { labels, covered: { left: 8, right: 8 }, occupied: [this.cornerBox(72)] };
   }
 
   /** Makes walls transparent that are between the viewer and the point that is looked at. */

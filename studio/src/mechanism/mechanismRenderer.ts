@@ -328,7 +328,7 @@ export class MechanismRenderer extends SceneRenderer {
     // Labels that are painted first have the best places.
     const rank = ({ name, actuated }: (typeof joints)[number]) => (isSelected(name) ? 0 : actuated ? 1 : 2);
     const labels = shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }): Label => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : LABELLED }));
-    return { labels, covered: { left: 8, right: 8 } };
+    return { labels, covered: { left: 8, right: 8 }, occupied: [this.cornerBox(34)] };
   }
 
   #pick(event: MouseEvent): void {

@@ -42,6 +42,9 @@ export interface RendererEvents {
   rendered: (took_ms: number) => void;
 }
 
+/** Width and height of the view cube with its margins [px]. */
+const CORNER = 104;
+
 /** Labels of a frame, and what other elements cover: widths at its left and right, and further areas [px]. */
 export interface Overlay {
   labels: Label[];
@@ -370,6 +373,11 @@ export abstract class SceneRenderer {
       paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, [...this.#gripBoxes(), ...(overlay.occupied ?? [])], { text: ink, halo: background });
     }
     return true;
+  }
+
+  /** The corner of the view with the view cube and the buttons above it, of a given height [px]. */
+  protected cornerBox(buttons: number): Box {
+    return { left: this.size.width - CORNER, right: this.size.width, top: 0, bottom: buttons + CORNER };
   }
 
   /** Areas of the view around the drag handles [px]. */

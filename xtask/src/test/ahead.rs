@@ -2,11 +2,10 @@
 //!
 //! A step that runs alone fetches it itself, and finds it there where it was fetched ahead.
 
-use std::fs::{self, File};
-use std::io;
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
+use std::process::Command;
 
+use super::logged::Logged;
 use crate::{page, python};
 
 /// What each chore runs to fetch all that it needs and does not have yet.
@@ -18,17 +17,9 @@ const FETCHES: [(&str, &str); 5] = [
     ("python", "python/test.py"),
 ];
 
-/// All that is being fetched; dropped, it waits for the rest, so that nothing is left half made behind a run that has ended.
+/// All that is being fetched, by the chore that needs it.
 #[derive(Default)]
-pub(super) struct Ahead(Vec<Fetch>);
-
-/// What one chore needs.
-struct Fetch {
-    chore: &'static str,
-    child: Child,
-    /// Its output.
-    log: PathBuf,
-}
+pub(super) struct Ahead(Vec<(&'static str, Logged)>);
 
 impl Ahead {
     /// Starts to fetch; the chore itself reports what cannot be started.
@@ -37,54 +28,32 @@ impl Ahead {
             let interpreter = if chore == "page" { page::find()? } else { python::find()? };
             let mut command = Command::new(interpreter);
             command.args([script, "--prepare"]).current_dir(root);
-            Fetch::start(chore, command, &root.join("target").join("ahead")).ok()
+            let folder = root.join("target").join("ahead");
+            Some((chore, Logged::start(chore, command, &folder).ok()?))
         });
         self.0.extend(started);
     }
 
     /// Waits for what a chore needs, and repeats its output; false where it could not be fetched.
     pub(super) fn wait(&mut self, chore: &str) -> bool {
-        let place = self.0.iter().position(|fetch| fetch.chore == chore);
-        place.is_none_or(|place| self.0.remove(place).wait())
-    }
-}
-
-impl Fetch {
-    fn start(chore: &'static str, mut command: Command, folder: &Path) -> io::Result<Self> {
-        fs::create_dir_all(folder)?;
-        let log = folder.join(chore).with_extension("txt");
-        let file = File::create(&log)?;
-        command.stdin(Stdio::null()).stdout(file.try_clone()?).stderr(file);
-        Ok(Self { chore, child: command.spawn()?, log })
-    }
-
-    fn wait(mut self) -> bool {
-        let done = self.child.wait().is_ok_and(|status| status.success());
-        print!("{}", fs::read_to_string(&self.log).unwrap_or_default());
-        done
-    }
-}
-
-impl Drop for Ahead {
-    fn drop(&mut self) {
-        for mut fetch in self.0.drain(..) {
-            let _ = fetch.child.wait();
-        }
+        let place = self.0.iter().position(|(name, _)| *name == chore);
+        place.is_none_or(|place| self.0.remove(place).1.wait())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     /// Whether a fetch by cargo is done, and its output.
     fn fetched(word: &str) -> (bool, String) {
         let folder = std::env::temp_dir().join(format!("xtask-ahead-{}", std::process::id()));
         let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
         command.arg(word);
-        let fetch = Fetch::start("cell", command, &folder).unwrap();
+        let fetch = Logged::start("cell", command, &folder).unwrap();
         let log = fetch.log.clone();
-        let mut ahead = Ahead(vec![fetch]);
+        let mut ahead = Ahead(vec![("cell", fetch)]);
         assert!(ahead.wait("page"), "nothing to wait for");
         let done = ahead.wait("cell");
         let output = fs::read_to_string(log).unwrap();

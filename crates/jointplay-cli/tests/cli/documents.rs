@@ -28,7 +28,9 @@ fn commands(text: &str) -> Vec<String> {
 
 /// A command as it is run here: those that plan the example's lot of 25 wafers take a program of one, all else alike.
 fn quick(line: &str) -> String {
-    let plans = ["cell check", "cell run", "cell export"].iter().any(|one| line.starts_with(one));
+    let plans = ["cell check", "cell run", "cell export", "cell optimise"]
+        .iter()
+        .any(|one| line.starts_with(one));
     let bare = line.strip_suffix(" example").unwrap_or(line);
     if plans { format!("{bare} example one.program") } else { line.to_owned() }
 }

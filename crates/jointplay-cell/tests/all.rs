@@ -1,0 +1,12 @@
+//! Cells: programs, motions and checks: all tests in one program, which takes a fraction of the time to build.
+
+mod check;
+mod common;
+mod compensation;
+mod inverse;
+mod reach;
+mod remedies;
+mod schedule;
+mod teach;
+mod trajectory;
+mod wafer_acceleration;

@@ -1,0 +1,26 @@
+//! Files of all kinds, and what they describe: all tests in one program, which takes a fraction of the time to build.
+
+mod arm_postures;
+mod catalogue_robots;
+mod cell;
+mod cell_parts;
+mod cell_shapes;
+mod cell_study;
+mod displacement;
+mod entries;
+mod example_program;
+mod generated_stations;
+mod incremental_planning;
+mod jog;
+mod line_times;
+mod mechanism_study;
+mod messages;
+mod nearest_points;
+mod pose_commands;
+mod program;
+mod program_in_cell;
+mod program_language;
+mod study;
+mod suggestions;
+mod taught_stations;
+mod validated_cells;

@@ -1,0 +1,15 @@
+//! Imports and exports: all tests in one program, which takes a fraction of the time to build.
+
+mod dialect;
+mod export;
+mod fmu;
+mod freecad;
+mod host;
+mod loop_files;
+mod loops;
+mod mechanism_export;
+mod messages;
+mod parts;
+mod peaks;
+mod sample_columns;
+mod timeline;

@@ -1,0 +1,15 @@
+//! Values of the paper, closed forms and other programs: all tests in one program, which takes a fraction of the time to build.
+
+mod catalogue;
+mod closed_forms;
+mod documents;
+mod errata;
+mod golden;
+mod hybrid;
+mod imported;
+mod linkages;
+mod many_positions;
+mod near;
+mod paper;
+mod sag;
+mod teach;
