@@ -340,7 +340,7 @@ fn fill<S: Simd, M: Model>(
         }
     }
     if needs.residual {
-        values[place(Quantity::Residual)] = found.residual(balls);
+        values[place(Quantity::Residual)] = found.residual(task.geometry, balls);
     }
     if needs.pose {
         let shape = Shape::at::<M>(task.geometry, found.a, found.b);

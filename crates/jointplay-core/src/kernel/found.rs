@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::geometry::Task;
+use super::geometry::{Geometry, Task};
 use super::lanes::{Lanes, Mask};
 use super::model::Model;
 use super::shape::{Balls, Three};
@@ -31,10 +31,10 @@ pub(crate) struct Found<S: Simd> {
 }
 
 impl<S: Simd> Found<S> {
-    /// Largest difference between a side and its virtual length (m).
+    /// Largest difference between a side and its virtual length, see [`Balls::residual`] (m).
     #[inline(always)]
-    pub(crate) fn residual(&self, balls: &Balls<S>) -> Lanes<S> {
-        balls.residual(&self.missing)
+    pub(crate) fn residual(&self, geometry: &Geometry, balls: &Balls<S>) -> Lanes<S> {
+        balls.residual(geometry, &self.missing)
     }
 }
 
@@ -49,6 +49,14 @@ pub(super) fn unless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
         *number = met.select(number.like(0.0), *number);
     }
     left
+}
+
+/// As [`unless`], without a branch.
+#[inline(always)]
+pub(super) fn unless_branchless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
+    let zero = numbers[0].like(0.0);
+    let [a, b, c] = numbers;
+    [met.select(zero, a), met.select(zero, b), met.select(zero, c)]
 }
 
 /// ‖(a, b)‖² in the metric.

@@ -8,11 +8,13 @@
 
 use pulp::Simd;
 
-use super::found::{Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless};
-use super::geometry::{Geometry, Task};
+use super::found::{
+    Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless, unless_branchless,
+};
+use super::geometry::{FirstStep, Geometry, Task};
 use super::lanes::{Lanes, Mask};
 use super::shape::{Balls, Three, within};
-use super::trigonometry::{sin_cos_of_steps, small_steps, tiny_steps};
+use super::trigonometry::Series;
 
 /// The sockets of many poses, in polar coordinates.
 #[derive(Clone, Copy)]
@@ -71,6 +73,19 @@ impl<S: Simd> Sockets<S> {
         nominal
     }
 
+    /// Moves the nominal sockets by the matrix of the first step, and leaves their directions.
+    #[inline(always)]
+    fn begin(&mut self, first_step: &FirstStep, missing: &Three<S>) {
+        let zero = missing[0].like(0.0);
+        for k in 0..3 {
+            self.l[k] = product(&first_step.0[k], missing, self.l[k]);
+        }
+        let first = product(&first_step.0[3], missing, zero);
+        let last = product(&first_step.0[5], missing, zero);
+        // A difference from zero, since the negative of zero plus a step of zero is another zero.
+        self.phi = [first, zero - (first + last), last];
+    }
+
     /// Turns the directions by differences of steps whose sines and versines are given.
     #[inline(always)]
     fn turn(&mut self, sines: &Three<S>, versines: &Three<S>) {
@@ -127,13 +142,7 @@ fn begin<S: Simd>(
     let zero = missing[0].like(0.0);
     let mut sockets = *nominal;
     let independent = if let Some(first_step) = task.first_step {
-        for k in 0..3 {
-            sockets.l[k] = product(&first_step.0[k], missing, sockets.l[k]);
-        }
-        let first = product(&first_step.0[3], missing, zero);
-        let last = product(&first_step.0[5], missing, zero);
-        // A difference from zero, since the negative of zero plus a step of zero is another zero.
-        sockets.phi = [first, zero - (first + last), last];
+        sockets.begin(first_step, missing);
         zero.at_most(zero)
     } else {
         let step = step(task, &nominal.response(), missing, 0.5);
@@ -141,7 +150,8 @@ fn begin<S: Simd>(
         sockets.phi = step.phi();
         step.independent
     };
-    let (sines, versines) = small_steps(between(sockets.phi));
+    let turned = between(sockets.phi);
+    let (sines, versines) = Series::of_small(&turned).or_any(turned);
     sockets.turn(&sines, &versines);
     (sockets, independent)
 }
@@ -161,6 +171,54 @@ fn sum<S: Simd>(a: Three<S>, b: Three<S>) -> Three<S> {
 /// Newton's method from nominal, see [`Solver::Newton`](crate::virtualization::Solver::Newton).
 #[inline(always)]
 pub(super) fn newton<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    if let (Some(first_step), 2..) = (task.first_step, task.max_iterations) {
+        let (found, enough) = two_steps(task, first_step, balls);
+        if enough.all() {
+            return found;
+        }
+    }
+    many_steps(task, balls)
+}
+
+/// Two steps of Newton's method, and where they are enough, which is nearly always.
+///
+/// Without a branch: a processor that need not wait for an answer begins the next block meanwhile, and no number is kept for another way.
+#[inline(always)]
+fn two_steps<S: Simd>(
+    task: &Task<'_>,
+    first_step: &FirstStep,
+    balls: &Balls<S>,
+) -> (Found<S>, Mask<S>) {
+    let (zero, one) = (balls.mean.like(0.0), balls.mean.like(1.0));
+    let at_start = balls.missing_at_start(task.geometry);
+    let bounds = balls.bounds(task.threshold);
+    let met_at_start = within(&at_start, &bounds);
+    let mut sockets = Sockets::nominal(task.geometry, zero);
+    sockets.begin(first_step, &at_start);
+    let first = Series::of_small(&between(sockets.phi));
+    sockets.turn(&first.sines, &first.versines);
+    let response = sockets.response();
+    let missing = sockets.missing(&response, balls);
+    let met_once = within(&missing, &bounds);
+    let step = step(task, &response, &unless_branchless(met_once, missing), 0.5);
+    sockets.l = sum(sockets.l, step.l);
+    let by_phi = step.phi();
+    sockets.phi = sum(sockets.phi, by_phi);
+    let second = Series::of_tiny(&between(by_phi));
+    sockets.turn(&second.sines, &second.versines);
+    let response = sockets.response();
+    let missing = sockets.missing(&response, balls);
+    let met = met_once | within(&missing, &bounds);
+    let certain = first.exact & second.exact & (step.independent | met_once);
+    // Where no step is needed, a step would move round-off.
+    let enough = met & certain & !met_at_start;
+    let iterations = met_once.select(one, one + one);
+    (sockets.found(&response, missing, iterations, met), enough)
+}
+
+/// As many steps as are needed, by any angles.
+#[inline(always)]
+fn many_steps<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
     let nominal = Sockets::nominal(task.geometry, zero);
@@ -179,15 +237,11 @@ pub(super) fn newton<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         iterations: met.select(zero, one),
     };
     let steps = task.max_iterations.min(NEWTON_STEPS);
-    // The second step, which nearly always is the last one, by itself: the registers of a loop would be moved to and fro.
-    if steps > 1 && !at.met.all() {
-        at.advance(task, balls, &bounds);
-        for _ in 2..steps {
-            if at.met.all() {
-                break;
-            }
-            at.advance(task, balls, &bounds);
+    for _ in 1..steps {
+        if at.met.all() {
+            break;
         }
+        at.advance(task, balls, &bounds);
     }
     at.sockets.found(&at.response, at.missing, at.iterations, at.met & !at.doubtful)
 }
@@ -213,7 +267,8 @@ impl<S: Simd> Iterate<S> {
         self.sockets.l = sum(self.sockets.l, step.l);
         let by_phi = step.phi();
         self.sockets.phi = sum(self.sockets.phi, by_phi);
-        let (sines, versines) = tiny_steps(between(by_phi));
+        let turned = between(by_phi);
+        let (sines, versines) = Series::of_tiny(&turned).or_any(turned);
         self.sockets.turn(&sines, &versines);
         self.iterations = self.iterations + self.met.select(zero, one);
         self.response = self.sockets.response();
@@ -274,7 +329,8 @@ pub(super) fn least_norm<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S>
             sockets.l[k] = nominal.l[k] + moved[k];
         }
         sockets.phi = sum(sockets.phi, by_phi);
-        let (sines, versines) = sin_cos_of_steps(between(by_phi));
+        let turned = between(by_phi);
+        let (sines, versines) = Series::of_tiny(&turned).or_any(turned);
         sockets.turn(&sines, &versines);
         iterations = iterations + met.select(zero, one);
         response = sockets.response();

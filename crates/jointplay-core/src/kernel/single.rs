@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Rotation3, Translation3};
 use pulp::Scalar;
 
 use super::found::Found;
-use super::geometry::Task;
+use super::geometry::{Geometry, Task};
 use super::lanes::Lanes;
 use super::model::Model;
 use super::pose::{Plane, PlatformPoses};
@@ -59,7 +59,7 @@ impl Solved {
     }
 
     #[inline(always)]
-    fn joints<M: Model>(&self) -> SingleJoints {
+    fn joints<M: Model>(&self, geometry: &Geometry) -> SingleJoints {
         let mut virtual_joints = VirtualJoints::zeros(if M::ACROSS { 6 } else { 3 });
         for k in 0..3 {
             virtual_joints[k] = self.found.a[k].number();
@@ -73,7 +73,7 @@ impl Solved {
             reason = "a small whole number"
         )]
         let iterations = self.found.iterations.number() as usize;
-        let residual = self.found.residual(&self.balls).number();
+        let residual = self.found.residual(geometry, &self.balls).number();
         SingleJoints { virtual_joints, iterations, residual }
     }
 }
@@ -84,7 +84,7 @@ impl SingleJoints {
     /// The same operations as for many poses, in scalar registers: for a caller that [`Processor::run`](super::processor::Processor::run) has given the instructions of the processor.
     #[inline(always)]
     pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
-        Some(Solved::new::<M>(task, rods)?.joints::<M>())
+        Some(Solved::new::<M>(task, rods)?.joints::<M>(task.geometry))
     }
 }
 
@@ -99,7 +99,7 @@ impl SinglePose {
         let axes = placed.axes().map(|axis| axis.map(Lanes::number));
         let rotation = Matrix3::from_columns(&axes.map(Into::into));
         Some(Self {
-            joints: solved.joints::<M>(),
+            joints: solved.joints::<M>(geometry),
             base_from_platform: Pose::from_parts(
                 Translation3::from(placed.origin.map(Lanes::number)),
                 Rotation3::from_matrix_unchecked(rotation),

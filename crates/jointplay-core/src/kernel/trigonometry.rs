@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
 use pulp::Simd;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Mask};
 
 /// π/2 in three parts of 33 bits each, whose products with whole numbers up to 2²⁰ are exact.
 const HALF_PI: [f64; 3] = [
@@ -123,57 +123,55 @@ pub(crate) fn sin_cos_of_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3]
     (sines, versines)
 }
 
-/// Sines and versines of three angles that are mostly below 10⁻⁴ (rad).
-///
-/// # Numerics
-/// Exact to round-off in comparison with one; a series of two terms where all three are that small, else [`sin_cos_of_steps`].
-#[inline(always)]
-pub(crate) fn tiny_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
-    let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
-    let (mut sines, mut versines) = (squares, squares);
-    for k in 0..3 {
-        sines[k] = (angles[k] * (1.0 / 6.0)).times_from(squares[k], angles[k]);
-        versines[k] = squares[k] * 0.5;
-    }
-    where_near(&angles, &squares, 1e-8, sines, versines)
+/// Sines and versines of three angles, and where they are those of the angles.
+pub(crate) struct Series<S: Simd> {
+    pub(crate) sines: [Lanes<S>; 3],
+    pub(crate) versines: [Lanes<S>; 3],
+    /// Where all three angles are so small that the series are exact to round-off in comparison with one.
+    pub(crate) exact: Mask<S>,
 }
 
-/// Sines and versines of three angles that are mostly below 10⁻³ (rad).
-///
-/// # Numerics
-/// As [`tiny_steps`], by one more term each.
-#[inline(always)]
-pub(crate) fn small_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
-    let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
-    let (mut sines, mut versines) = (squares, squares);
-    for k in 0..3 {
-        let square = squares[k];
-        sines[k] = (angles[k] * (1.0 / 6.0)).times_from(square, angles[k]);
-        versines[k] = square * square.times_plus(square.like(-1.0 / 24.0), square.like(0.5));
-    }
-    // x⁵/120 is then below 5·10⁻¹⁷.
-    where_near(&angles, &squares, 2e-6, sines, versines)
-}
-
-/// The given sines and versines of three angles where all their squares are at most `near`, else [`sin_cos_of_steps`].
-#[inline(always)]
-fn where_near<S: Simd>(
-    angles: &[Lanes<S>; 3],
-    squares: &[Lanes<S>; 3],
-    near: f64,
-    mut sines: [Lanes<S>; 3],
-    mut versines: [Lanes<S>; 3],
-) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
-    let [a, b, c] = *squares;
-    let near = a.max(b).max(c).at_most(a.like(near));
-    if !near.all() {
-        let (any_sines, any_versines) = sin_cos_of_steps(*angles);
+impl<S: Simd> Series<S> {
+    /// For angles below 10⁻⁴ (rad).
+    #[inline(always)]
+    pub(crate) fn of_tiny(angles: &[Lanes<S>; 3]) -> Self {
+        let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
+        let (mut sines, mut versines) = (squares, squares);
         for k in 0..3 {
-            sines[k] = near.select(sines[k], any_sines[k]);
-            versines[k] = near.select(versines[k], any_versines[k]);
+            sines[k] = (angles[k] * (1.0 / 6.0)).times_from(squares[k], angles[k]);
+            versines[k] = squares[k] * 0.5;
         }
+        let [a, b, c] = squares;
+        Self { sines, versines, exact: a.max(b).max(c).at_most(a.like(1e-8)) }
     }
-    (sines, versines)
+
+    /// For angles below 1.4·10⁻³ (rad), by one term more.
+    #[inline(always)]
+    pub(crate) fn of_small(angles: &[Lanes<S>; 3]) -> Self {
+        let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
+        let (mut sines, mut versines) = (squares, squares);
+        for k in 0..3 {
+            let square = squares[k];
+            sines[k] = (angles[k] * (1.0 / 6.0)).times_from(square, angles[k]);
+            versines[k] = square * square.times_plus(square.like(-1.0 / 24.0), square.like(0.5));
+        }
+        let [a, b, c] = squares;
+        // x⁵/120 is then below 5·10⁻¹⁷.
+        Self { sines, versines, exact: a.max(b).max(c).at_most(a.like(2e-6)) }
+    }
+
+    /// Sines and versines, by [`sin_cos_of_steps`] where the series are not exact.
+    #[inline(always)]
+    pub(crate) fn or_any(mut self, angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
+        if !self.exact.all() {
+            let (sines, versines) = sin_cos_of_steps(angles);
+            for k in 0..3 {
+                self.sines[k] = self.exact.select(self.sines[k], sines[k]);
+                self.versines[k] = self.exact.select(self.versines[k], versines[k]);
+            }
+        }
+        (self.sines, self.versines)
+    }
 }
 
 /// The angle of a vector of length one, to ten digits, whose sine is mostly small (rad).
