@@ -1,5 +1,7 @@
 //! Values of the paper, closed forms and other programs: all tests in one program, which takes a fraction of the time to build.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
+
 mod catalogue;
 mod closed_forms;
 mod documents;

@@ -1,7 +1,6 @@
 //! Every mechanism of the catalogue against the numbers in its file and those of an independent program.
 //!
 //! Provenance: `validation/golden/README.md`.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use std::collections::BTreeMap;
 

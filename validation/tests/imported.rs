@@ -2,8 +2,6 @@
 //!
 //! Provenance and the reason for the tolerance: `validation/golden/README.md`.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

@@ -1,5 +1,4 @@
 //! Linkages of the catalogue against their closed forms, at every step of a drive over as much of the cycle as there is.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,5 +1,4 @@
 //! Many configurations of a mechanism at a time, compared with one by one.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay::Error;
 use jointplay::bulk::Status;

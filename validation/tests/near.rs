@@ -1,5 +1,4 @@
 //! Near misses: mechanisms whose dimensions are true only to some digits.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay::Error;
 use jointplay::constraint::System as _;

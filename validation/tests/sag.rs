@@ -2,8 +2,6 @@
 //!
 //! Provenance and the reasons for the tolerances: `validation/golden/README.md`.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
-
 use jointplay::cell::wafer::{Droop, Material, Sag, Support, Wafer, sag};
 use jointplay_validation::{Row, golden};
 

@@ -1,7 +1,5 @@
 //! Every limit crossed once, each with its message; a wall that only a swept check sees; slip by hand.
 
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
-
 use crate::common;
 
 use std::collections::BTreeSet;

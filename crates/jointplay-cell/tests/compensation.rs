@@ -1,7 +1,5 @@
 //! A wafer on a drooping arm lies at its target, and what cannot be compensated is returned.
 
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
-
 use crate::common;
 
 use common::A;

@@ -1,7 +1,5 @@
 //! Properties of the inverse kinematics over random robots, positions and tilts.
 
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
-
 use crate::common;
 
 use std::f64::consts::TAU;

@@ -1,5 +1,4 @@
 //! The range of distances that effectors reach, against many positions of their motors.
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use crate::common;
 

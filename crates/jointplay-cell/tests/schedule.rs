@@ -1,7 +1,5 @@
 //! Schedules of small tools, compared with their closed forms, and rules for wafers.
 
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
-
 use crate::common;
 
 use jointplay_cell::CellError;

@@ -1,7 +1,5 @@
 //! Trajectories keep all limits at every sample, agree with their own differences, and end exactly at their goals.
 
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
-
 use crate::common;
 
 use common::A;

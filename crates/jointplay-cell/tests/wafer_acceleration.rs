@@ -1,7 +1,5 @@
 //! Velocities and accelerations of wafers against differences of their poses.
 
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
-
 use crate::common;
 
 use common::{KINDS, cell, kind};

@@ -1,5 +1,7 @@
 //! Laws, closed forms and limits of the mathematics: all tests in one program, which takes a fraction of the time to build.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
+
 mod ball_clearance;
 mod bulk;
 mod couplings;

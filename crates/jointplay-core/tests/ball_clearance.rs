@@ -1,7 +1,5 @@
 //! Clearance of the balls that poses need: against closed forms, and laws for random robots.
 
-#![expect(clippy::unwrap_used, reason = "a test fails at the line that unwraps")]
-
 use jointplay_core::gpr::{AxisHeight, Gpr, Limb, Limits};
 use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{Planar, Radial, SolveOptions, Virtualization, built_in};

@@ -1,5 +1,4 @@
 //! Many poses at a time equal those computed one by one.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use std::f64::consts::TAU;
 

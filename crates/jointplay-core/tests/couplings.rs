@@ -1,5 +1,4 @@
 //! Couplings of joints, compared with joints that move so by themselves and with closed forms.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::robot;
 

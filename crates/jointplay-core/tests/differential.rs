@@ -1,5 +1,4 @@
 //! Velocities, accelerations and Jacobians of mechanisms: against differences of positions, and where there are none.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::robot;
 

@@ -1,5 +1,4 @@
 //! What every robot obeys, whatever its dimensions.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::gpr::{

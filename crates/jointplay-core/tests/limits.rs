@@ -1,7 +1,5 @@
 //! Poses beyond the limits of the three-rod robot are refused, one by one and many at a time.
 
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
-
 use jointplay_core::Error;
 use jointplay_core::bulk::{Column, Quantity, Status};
 use jointplay_core::gpr::{AxisHeight, BrokenLimit, CenterHeight, Gpr};

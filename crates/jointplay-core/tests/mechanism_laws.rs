@@ -1,5 +1,4 @@
 //! Laws that hold for every mechanism: numbering, tree, base and unit of length mean nothing.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use jointplay_core::mechanism::{
     Joint, JointKind, LinearAndAngular, Mechanism, MechanismMobility, MechanismSystem,

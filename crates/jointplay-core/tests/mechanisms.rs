@@ -1,5 +1,4 @@
 //! Laws of mechanisms in general, and the robot described as one.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::robot;
 

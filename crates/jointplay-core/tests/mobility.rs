@@ -1,5 +1,4 @@
 //! Mobility of the paper's robot: counted, instantaneous, augmented, finite.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::gpr::{AxisHeight, Gpr};
 use jointplay_core::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};

@@ -1,5 +1,4 @@
 //! Finite mobility and branches of mechanisms whose motions are known by thought, and of mechanisms made of several.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 #![expect(clippy::cast_precision_loss, reason = "small counts")]
 
 use crate::families;

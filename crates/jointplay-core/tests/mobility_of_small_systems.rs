@@ -1,5 +1,4 @@
 //! Finite mobility of systems small enough to know the answer by thought.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::constraint::{Configuration, Dimension, System};
 use jointplay_core::mobility::{

@@ -1,5 +1,4 @@
 //! The closed configuration nearest a guess: closed by an independent chain of transforms, within limits, and as near as a scan of all configurations finds.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::planar;
 

@@ -1,5 +1,4 @@
 //! Fast positions where there are none, and again.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::robot;
 

@@ -1,5 +1,4 @@
 //! The reachable configuration nearest a wanted position of a point: closed forms, scans of coupler curves, limits, and laws of random rings.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::planar;
 

@@ -1,7 +1,5 @@
 //! The three-rod robot and the mechanism that it is: conversion in both directions, and equal results.
 
-#![expect(clippy::unwrap_used, reason = "a test fails at the line that unwraps")]
-
 use jointplay_core::gpr::{AxisHeight, Gpr, Limb, Limits, NotThreeRods};
 use jointplay_core::mechanism::{
     CommandedJoints, Joint, JointKind, Mechanism, MechanismSystem, ReliefSolver, guess, relieve,

@@ -1,5 +1,4 @@
 //! Redundant constraints in textbook form.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::robot;
 

@@ -1,5 +1,4 @@
 //! Sparse algebra against dense, and mechanisms too large for dense.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::families;
 use crate::robot;

@@ -1,7 +1,6 @@
 //! Suggestions against all sets of small mechanisms, by another formulation.
 //!
 //! Here the unknowns are the poses of all links, not joint coordinates; derivatives are differences; and the least displacement is that of a penalty method.
-#![allow(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::robot;
 

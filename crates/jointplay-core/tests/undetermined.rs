@@ -1,5 +1,4 @@
 //! Joints that are neither commanded nor determined by the commands: they move least.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use crate::robot;
 

@@ -1,5 +1,7 @@
 //! Files of all kinds, and what they describe: all tests in one program, which takes a fraction of the time to build.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
+
 mod arm_postures;
 mod catalogue_robots;
 mod cell;

@@ -1,7 +1,5 @@
 //! Postures of redundant arms between the stations of a program.
 
-#![expect(clippy::unwrap_used, reason = "a test fails at the line that unwraps")]
-
 use std::f64::consts::TAU;
 use std::fmt::Write;
 

@@ -1,7 +1,5 @@
 //! Programs on all robots with arms of the catalogue.
 
-#![expect(clippy::unwrap_used, reason = "a test fails at the line that unwraps")]
-
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 

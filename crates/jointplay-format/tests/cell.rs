@@ -1,7 +1,5 @@
 //! Cell files: the example, errors with their places, and editing.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use jointplay_cell::check::{CheckOptions, Report, check};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::expand;

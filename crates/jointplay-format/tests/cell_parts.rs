@@ -1,7 +1,5 @@
 //! Parameters, templates, patterns and parts of cell files.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use jointplay_cell::workcell::{Cell, ParentFrame};
 use jointplay_format::cell::{self, EXAMPLE, Errors, expand, read, read_with};
 use nalgebra::Vector3;

@@ -1,7 +1,5 @@
 //! Shapes and frames of cell files: boxes with openings, tilts as measured, slots that are displaced.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Report, check};
 use jointplay_cell::geometry::Shape;

@@ -1,5 +1,4 @@
 //! Studies of programs in cells, compared with checks of single cells.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use std::collections::BTreeMap;
 

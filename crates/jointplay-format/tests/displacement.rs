@@ -1,7 +1,5 @@
 //! Displacements of wafers in the example cell: sums, closed forms, and first-order effects against recomputation.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
-
 use jointplay_cell::displacement::{Cause, Contribution, Tolerances, parameter_effects};
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::SlotId;

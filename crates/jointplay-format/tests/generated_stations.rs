@@ -1,7 +1,5 @@
 //! Edits of stations that come from parts, templates and patterns.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use jointplay_cell::station::{Origin, Station};
 use jointplay_core::spatial::Tilt;
 use jointplay_format::cell::{Change, TaughtNoise, note_station, read, set_station};

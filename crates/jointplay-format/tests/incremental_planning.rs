@@ -1,7 +1,5 @@
 //! Plans of the example cell: against a look at every sample, and after changes against planning from scratch.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 

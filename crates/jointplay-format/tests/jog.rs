@@ -1,7 +1,5 @@
 //! Jogging in the example cell, and in a cell whose arm has a free heading.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use std::f64::consts::PI;
 
 use jointplay_cell::jog::{SlotRelativePose, StopReason};

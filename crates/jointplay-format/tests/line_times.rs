@@ -1,7 +1,5 @@
 //! Durations of straight lines: close to optima found by other methods, and continuous in the position of a station.
 
-#![expect(clippy::unwrap_used, reason = "a test fails at the line that unwraps")]
-
 use jointplay_cell::program::{Path, expand};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::Droop;

@@ -1,5 +1,4 @@
 //! Studies of mechanisms: their numbers, and what is refused.
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
 
 use jointplay_core::gpr::{AxisHeight, Gpr};
 use jointplay_core::mechanism::joint::Coordinate;

@@ -1,7 +1,5 @@
 //! Messages of all readers over mutated values: no words of Rust, no endless numbers, no `NaN`.
 
-#![allow(clippy::unwrap_used, reason = "a failing test may panic")]
-
 use jointplay_format::{catalogue, cell, mechanism, robot, study};
 
 /// A reader: the message that it answers with, if it refuses the text.

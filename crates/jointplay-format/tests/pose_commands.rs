@@ -1,5 +1,4 @@
 //! Commands to poses, against closed forms and against neighbouring configurations.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 use jointplay_core::mechanism::{
     DrivenMotion, FramePath, FrameTarget, Mechanism, MechanismSystem, OrientationTarget, Stop,

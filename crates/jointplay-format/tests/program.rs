@@ -1,7 +1,5 @@
 //! Programs as text: what is read, what is refused, and that writing and laying out lose nothing.
 
-#![expect(clippy::unwrap_used, reason = "tests may")]
-
 use jointplay_cell::program::{
     AxisTarget, Branch, Command, Condition, Instruction, MAX_CALL_DEPTH, Name, Number, Parameter,
     Program, Quantity, Relation, Routine, SlotName, SourceLocation, TiltTarget, Unit,

@@ -1,7 +1,5 @@
 //! Programs in a cell: their steps and their planning errors.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use jointplay_cell::program::{
     Handoff, MAX_CALL_DEPTH, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };

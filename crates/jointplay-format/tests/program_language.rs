@@ -1,7 +1,5 @@
 //! Programs with expressions, conditions, routines and parameters, compared with their unrolled equals.
 
-#![expect(clippy::unwrap_used, reason = "tests may")]
-
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::LazyLock;

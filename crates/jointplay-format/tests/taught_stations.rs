@@ -1,7 +1,5 @@
 //! Taught stations of cell files: noise, sensors, reference points, stated uncertainty, and the checks that use them.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at any line")]
-
 use jointplay_cell::check::{Report, ViolationKind};
 use jointplay_cell::station::teach::FitResult;
 use jointplay_cell::station::{Origin, SlotId, Station};

@@ -1,5 +1,4 @@
 //! Cells that are invalid are rejected before planning, also where they were not read from a file.
-#![expect(clippy::unwrap_used, reason = "tests")]
 
 use jointplay_cell::check::CheckOptions;
 use jointplay_cell::geometry::Shape;

@@ -1,5 +1,7 @@
 //! Imports and exports: all tests in one program, which takes a fraction of the time to build.
 
+#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
+
 mod dialect;
 mod export;
 mod fmu;

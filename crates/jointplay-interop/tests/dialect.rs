@@ -1,5 +1,4 @@
 //! Controller text by dialects: formats, codes, checksums and line numbers.
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::program::{Path, expand};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};

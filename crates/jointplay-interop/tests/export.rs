@@ -1,5 +1,4 @@
 //! Exported motions: duration, exact ends, and violations.
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::check::{CheckOptions, PoseContext, check_pose};
 use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step, expand};

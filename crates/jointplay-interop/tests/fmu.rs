@@ -1,5 +1,4 @@
 //! Functional mock-up units: the numbers of the library, and refusals.
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use std::collections::BTreeSet;
 use std::io::{Cursor, Read as _};

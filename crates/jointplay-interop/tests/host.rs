@@ -1,5 +1,4 @@
 //! The simulated controller: its commands move as programs do, and nothing else moves it.
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{IncrementalPlanner, PlanOptions};

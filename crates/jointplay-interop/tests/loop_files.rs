@@ -1,5 +1,4 @@
 //! Loops in YAML of other programs: their joints, their motors, and errors with their places.
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use jointplay_core::mechanism::{
     JointKind, Kinematics, Mechanism, MechanismSystem, assemble, guess, mechanism_mobility,

@@ -1,5 +1,4 @@
 //! Loop joints for imported trees, and errors with their places.
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use jointplay_core::mechanism::JointKind;
 use jointplay_format::mechanism::with_loops;

@@ -1,5 +1,4 @@
 //! Exports of mechanisms, read again by the readers of the same formats.
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use jointplay_core::constraint::System as _;
 use jointplay_core::linalg::svd;

@@ -1,7 +1,5 @@
 //! Messages of the reader of dialects over mutated values: no words of Rust, no endless numbers, no `NaN`.
 
-#![allow(clippy::unwrap_used, reason = "a failing test may panic")]
-
 use jointplay_interop::export::dialect::{DIALECTS, Dialect};
 
 const VALUES: [&str; 28] = [

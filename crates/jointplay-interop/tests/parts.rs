@@ -1,5 +1,4 @@
 //! Parts of CAD models that move as the links of a mechanism: broken files, names, places.
-#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 use jointplay_core::mechanism::{Drive, MechanismSystem};
 use jointplay_core::mechanism::{Mechanism, assemble, drive, guess};

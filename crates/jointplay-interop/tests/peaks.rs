@@ -1,5 +1,4 @@
 //! Samples whose linear interpolation is the motion.
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};

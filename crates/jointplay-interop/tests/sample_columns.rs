@@ -1,5 +1,4 @@
 //! Columns of tables: headings, tilts and speeds compared with other formulas, and windows with the whole table.
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
 
 use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::program::expand;

@@ -1,7 +1,5 @@
 //! Windows of a motion: their channels compared with the poses of the cell.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
-
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;

@@ -1,5 +1,4 @@
 //! Pictures of cells: what they hold, and that nothing is cut off.
-#![expect(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 use jointplay_cell::EntityId;
 use jointplay_cell::geometry::Shape;

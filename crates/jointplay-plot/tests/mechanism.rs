@@ -1,5 +1,4 @@
 //! Pictures of mechanisms: what they hold, and that no geometry is too odd to draw.
-#![expect(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 use jointplay_core::mechanism::{
     Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,

@@ -1,5 +1,4 @@
 //! Results on many cores equal those on one.
-#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::Error;
 use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts};
