@@ -1,14 +1,14 @@
 //! `cargo xtask test`: everything a change must pass, stopping at the first failure.
 //!
 //! Quick steps come first; while the others compile, what they need from the network is fetched. Benches are compiled by clippy's `--all-targets`.
-//! What runs other programs comes last, some of it side by side; the tests of the page wait for pictures, and have the machine to themselves.
+//! What runs other programs comes last, some of it at the same time; the tests of the page wait for pictures, and have the machine to themselves.
 
 mod ahead;
-mod beside;
+mod concurrent;
 mod logged;
 
 use self::ahead::Ahead;
-use self::beside::Beside;
+use self::concurrent::Concurrent;
 use crate::{
     book, c_library, cell, circles, deps, embedded, package, page, python, studio, tidy, wasm,
     words,
@@ -69,7 +69,7 @@ pub(crate) fn run(root: &Path) -> bool {
             return false;
         }
     };
-    let (mut ahead, mut beside) = (Ahead::default(), Beside::default());
+    let (mut ahead, mut concurrent) = (Ahead::default(), Concurrent::default());
     run_steps(&steps(&examples), |step| match step.arguments.join(" ").as_str() {
         // Already in this program: no need to start it again.
         "xtask tidy" => tidy::run(root),
@@ -86,7 +86,7 @@ pub(crate) fn run(root: &Path) -> bool {
                 if !ahead.wait(chore) {
                     return false;
                 }
-                beside.start(chore, root);
+                concurrent.start(chore, root);
             }
             book::run(root)
         }
@@ -94,8 +94,8 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask wasm --check" => wasm::check(root),
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask c" => ahead.wait("c") && c_library::run(root),
-        "xtask studio" => beside.finish("studio").unwrap_or_else(|| studio::run(root)),
-        "xtask python" => beside.finish("python").unwrap_or_else(|| python::run(root)),
+        "xtask studio" => concurrent.finish("studio").unwrap_or_else(|| studio::run(root)),
+        "xtask python" => concurrent.finish("python").unwrap_or_else(|| python::run(root)),
         "xtask page" => ahead.wait("page") && page::run(root),
         line if line.starts_with(EXAMPLE) => run_example(&line[EXAMPLE.len()..], root),
         _ => run_cargo(step, root),

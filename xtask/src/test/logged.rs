@@ -13,7 +13,7 @@ pub(super) struct Logged {
 }
 
 impl Logged {
-    /// Starts a program, whose output goes to a file of this name in a folder.
+    /// Starts a program, whose output is written to a file of this name in a folder.
     ///
     /// # Errors
     /// Those of the file and of the start.

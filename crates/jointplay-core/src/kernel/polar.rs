@@ -182,7 +182,7 @@ pub(super) fn newton<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 
 /// Two steps of Newton's method, and where they are enough, which is nearly always.
 ///
-/// Without a branch: a processor that need not wait for an answer begins the next block meanwhile, and no number is kept for another way.
+/// Without a branch: a processor that need not wait for an answer begins the next block meanwhile, and no number is kept for a branch that is not taken.
 #[inline(always)]
 fn two_steps<S: Simd>(
     task: &Task<'_>,

@@ -1,4 +1,4 @@
-//! Steps that run beside others, since each keeps one processor busy at most.
+//! Steps that run concurrently with others, since each keeps one processor busy at most.
 
 use std::env;
 use std::path::Path;
@@ -8,15 +8,15 @@ use super::logged::Logged;
 
 /// Chores that were started before their turn.
 #[derive(Default)]
-pub(super) struct Beside(Vec<(&'static str, Logged)>);
+pub(super) struct Concurrent(Vec<(&'static str, Logged)>);
 
-impl Beside {
+impl Concurrent {
     /// Starts a chore of this program; in its turn, [`Self::finish`] waits for it.
     pub(super) fn start(&mut self, chore: &'static str, root: &Path) {
         let Ok(this) = env::current_exe() else { return };
         let mut command = Command::new(this);
         command.arg(chore).current_dir(root);
-        let folder = root.join("target").join("beside");
+        let folder = root.join("target").join("concurrent");
         self.0.extend(Logged::start(chore, command, &folder).ok().map(|started| (chore, started)));
     }
 
