@@ -17,6 +17,10 @@ pub(crate) struct Geometry {
     pub(crate) base_edges: [[f64; 2]; 3],
     /// Their squared lengths (m²).
     pub(crate) base_squares: [f64; 3],
+    /// Inverses of their squared lengths (1/m²).
+    pub(super) base_inverse_squares: [f64; 3],
+    /// Halves of the inverses of their lengths (1/m).
+    pub(super) base_half_inverses: [f64; 3],
     /// Centroid of the base points (m).
     pub(crate) base_center: [f64; 2],
     /// Twice the signed area of the base points (m²).
@@ -42,9 +46,12 @@ impl Geometry {
         let sockets = platform.sockets();
         let base_edges = [0, 1, 2].map(|k| (base_points[(k + 1) % 3] - base_points[k]).into());
         let center = |points: &Sockets| ((points[0] + points[1] + points[2]) / 3.0).into();
+        let base_squares = base_edges.map(|[x, y]: [f64; 2]| x * x + y * y);
         Self {
             base_edges,
-            base_squares: base_edges.map(|[x, y]: [f64; 2]| x * x + y * y),
+            base_squares,
+            base_inverse_squares: base_squares.map(|square| 1.0 / square),
+            base_half_inverses: sides_of(base_points).map(|side| 0.5 / side),
             base_center: center(base_points),
             base_area: signed_area(base_points),
             sockets: sockets.map(Into::into),

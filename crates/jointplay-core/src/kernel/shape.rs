@@ -59,10 +59,10 @@ impl<S: Simd> Balls<S> {
     pub(crate) fn residual(&self, geometry: &Geometry, missing: &Three<S>) -> Lanes<S> {
         let (mut shares, mut slopes) = (*missing, *missing);
         for k in 0..3 {
-            let square = geometry.base_squares[k];
-            let slope = self.squares[k] * (1.0 / square) - 1.0;
+            let slope = self.squares[k] * geometry.base_inverse_squares[k] - 1.0;
             let series = slope.times_plus(slope.like(0.375), slope.like(-0.5));
-            let inverse = slope.times_plus(series, slope.like(1.0)) * (0.5 / square.sqrt());
+            let inverse =
+                slope.times_plus(series, slope.like(1.0)) * geometry.base_half_inverses[k];
             shares[k] = missing[k].abs() * inverse;
             slopes[k] = slope;
         }
