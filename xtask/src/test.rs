@@ -10,8 +10,8 @@ mod logged;
 use self::ahead::Ahead;
 use self::concurrent::Concurrent;
 use crate::{
-    book, c_library, cell, circles, deps, embedded, package, page, python, studio, tidy, wasm,
-    words,
+    book, c_library, cell, circles, deps, embedded, interface, package, page, python, studio, tidy,
+    wasm, words,
 };
 use std::io::{self, IsTerminal};
 use std::path::Path;
@@ -80,6 +80,7 @@ pub(crate) fn run(root: &Path) -> bool {
             ahead.start(root);
             run_cargo(step, root)
         }
+        "xtask interface" => interface::run(root, false),
         "xtask package" => package::run(root, false),
         "xtask book" => {
             for chore in ["studio", "python"] {
@@ -136,6 +137,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
     }
     let docs = Step::new(DOC, "correct the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", "-D warnings")), ..docs });
+    steps.push(Step::new(
+        "xtask interface",
+        "if the change is wanted, run `cargo xtask interface --update`, and name it in CHANGELOG.md",
+    ));
     steps.push(Step::new(
         "xtask package",
         "add what is missing to `include` in the crate's manifest, or move it into the crate's folder",
@@ -275,6 +280,7 @@ mod tests {
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
+            "cargo xtask interface",
             "cargo xtask package",
             "cargo xtask embedded --check",
             "cargo xtask wasm --check",
