@@ -9,7 +9,7 @@ mod reader;
 mod source;
 mod table;
 
-pub use range::AllowedRange;
+pub use range::{AllowedRange, LARGEST};
 pub use reader::Reader;
 pub use source::Inclusion;
 pub use table::{Entry, Table};

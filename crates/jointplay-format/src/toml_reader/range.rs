@@ -6,7 +6,7 @@ use crate::number::number;
 const LEAST_POSITIVE: f64 = 1e-12;
 
 /// Largest magnitude of a number in its own unit, so that no product of two numbers overflows.
-const LARGEST: f64 = 1e12;
+pub const LARGEST: f64 = 1e12;
 
 /// The values allowed for a number; all of them lie within ±1e12.
 #[derive(Clone, Copy)]

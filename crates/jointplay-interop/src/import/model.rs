@@ -2,11 +2,15 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
-use jointplay_core::mechanism::{Mechanism, MechanismError};
+use jointplay_core::mechanism::{JointKind, Mechanism, MechanismError};
 use jointplay_format::mechanism::{
     AngleUnit, Expected, LengthUnit, MechanismFile, Units, allowed_joint_name,
 };
+use jointplay_format::toml_reader::LARGEST;
+
+use super::problem::Problem;
 
 /// An imported model.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +78,38 @@ impl Imported {
             self.ignored.extend(remarks);
         }
         Ok(self)
+    }
+
+    /// Refuses numbers that a file of this mechanism may not have.
+    pub(super) fn check_numbers(&self) -> Result<(), Problem> {
+        let too_large = |what, whose: &str, values: &[f64]| {
+            let found = values.iter().copied().find(|value| value.abs() > LARGEST);
+            found.map_or(Ok(()), |found| {
+                Err(Problem::TooLarge { what, whose: whose.to_owned(), found, allowed: LARGEST })
+            })
+        };
+        for joint in self.mechanism.joints() {
+            for frame in &joint.frames {
+                too_large("the position", &joint.name, frame.translation.vector.as_slice())?;
+            }
+            if let JointKind::Helical { lead } = joint.kind {
+                too_large("the lead", &joint.name, &[lead * TAU])?;
+            }
+            too_large("the guess", &joint.name, &joint.guess)?;
+            let limits: Vec<f64> = joint.limits.concat();
+            let limits: Vec<f64> = limits.into_iter().filter(|limit| limit.is_finite()).collect();
+            too_large("a limit", &joint.name, &limits)?;
+            for play in [joint.clearance, joint.stiffness] {
+                let values = [play.linear.unwrap_or(0.0), play.angular.unwrap_or(0.0)];
+                too_large("clearance or stiffness", &joint.name, &values)?;
+            }
+        }
+        for coupling in self.mechanism.couplings() {
+            let ratios: Vec<f64> = coupling.terms.iter().map(|&(_, ratio)| ratio).collect();
+            too_large("a ratio", &coupling.name, &ratios)?;
+            too_large("the offset", &coupling.name, &[coupling.offset])?;
+        }
+        Ok(())
     }
 
     /// The mechanism as a mechanism file in m and rad.

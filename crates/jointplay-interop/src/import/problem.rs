@@ -2,7 +2,7 @@
 
 use jointplay_core::mechanism::MechanismError;
 
-use jointplay_format::number::counted;
+use jointplay_format::number::{counted, number};
 use jointplay_format::place::{listed, suggestion};
 
 /// Error of an imported model, with its place.
@@ -88,6 +88,18 @@ pub enum Problem {
         what: &'static str,
         /// Name of the frame.
         name: String,
+    },
+    /// A number that no mechanism file may have.
+    #[error("{what} of {whose:?} is {}, but has to be within ±{allowed:e}", number(*found))]
+    TooLarge {
+        /// The quantity.
+        what: &'static str,
+        /// The joint or the coupling.
+        whose: String,
+        /// The value found (m, rad, or their quotients).
+        found: f64,
+        /// Largest magnitude allowed, in the same unit.
+        allowed: f64,
     },
     /// Links and joints that form no mechanism.
     #[error(transparent)]

@@ -64,11 +64,12 @@ pub fn parse_with_unit(text: &str, unit: LengthUnit) -> Result<Imported, Error> 
 
 /// Imports a model without a file of loops.
 fn open(text: &str, unit: Option<LengthUnit>) -> Result<Imported, Error> {
-    named(read(text, unit, &BTreeSet::new())?, text)
+    accepted(read(text, unit, &BTreeSet::new())?, text)
 }
 
-/// A model with names that mechanism files allow.
-fn named(model: Imported, text: &str) -> Result<Imported, Error> {
+/// A model with names and numbers that mechanism files allow.
+fn accepted(model: Imported, text: &str) -> Result<Imported, Error> {
+    model.check_numbers().map_err(|problem| Error::at(text, 0..0, problem))?;
     model.with_allowed_names().map_err(|error| Error::at(text, 0..0, error.into()))
 }
 
@@ -121,7 +122,7 @@ pub fn parse_closed(
     let Imported { mechanism, dialect, mut ignored } = read(text, unit, &file.solved())?;
     let mechanism = file.close(&mechanism, &mut ignored)?;
     // After the loops are closed: their file refers to joints by the names in the model.
-    Ok(named(Imported { mechanism, dialect, ignored }, text)?)
+    Ok(accepted(Imported { mechanism, dialect, ignored }, text)?)
 }
 
 /// Imports a model.
@@ -175,6 +176,7 @@ mod tests {
     use super::super::model::Dialect;
     use super::super::testing;
     use super::*;
+    use jointplay_format::mechanism;
     use proptest::prelude::*;
 
     const MODELS: [&str; 4] = [
@@ -229,6 +231,23 @@ mod tests {
         let name = "n".repeat(1001);
         let text = format!("<robot name=\"{name}\"><link name=\"a\"/></robot>");
         assert!(parse(&text).unwrap_err().to_string().contains("at most 1000 bytes"));
+    }
+
+    #[test]
+    fn numbers_that_a_file_may_not_have_are_refused() {
+        let chain = |x: f64| {
+            format!(
+                "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><joint name=\"j\" type=\"continuous\"><origin xyz=\"0 {x} 0\"/><parent link=\"a\"/><child link=\"b\"/></joint></robot>"
+            )
+        };
+        for x in [1e12, -1e12] {
+            let model = parse(&chain(x)).unwrap();
+            let read = mechanism::parse(&mechanism::write(&model.mechanism, None)).unwrap();
+            assert_eq!(read.mechanism.joints(), model.mechanism.joints());
+        }
+        let error = parse(&chain(1.001e12)).unwrap_err().to_string();
+        let expected = "the position of \"j\" is 1.001e12, but has to be within ±1e12";
+        assert!(error.contains(expected), "{error}");
     }
 
     #[test]
