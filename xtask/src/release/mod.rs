@@ -31,11 +31,12 @@ mod trial;
 mod wheels;
 
 use std::path::Path;
+use std::process::{Command, Stdio};
 use std::{fs, io};
 
 use self::folders::Folders;
 use self::step::Step;
-use crate::package;
+use crate::{package, process};
 
 /// All steps, in order: later ones use the files of earlier ones.
 static STEPS: [Step; 7] = [
@@ -83,7 +84,15 @@ fn chosen_steps(chosen: &[&str]) -> io::Result<Vec<&'static Step>> {
 }
 
 /// Licences and notices of the libraries in the binaries, and their list.
+///
+/// The licences of the page's libraries are read from `studio/node_modules`, which a fresh clone lacks.
 fn write_notices(folders: &Folders) -> io::Result<()> {
+    let studio = folders.root.join("studio");
+    if !studio.join("node_modules").exists() {
+        let mut install = Command::new("npm");
+        install.args(["ci", "--no-progress", "--ignore-scripts"]).current_dir(studio);
+        process::succeed(install.stdout(Stdio::null()))?;
+    }
     let components = components::components(&folders.root, folders::PLATFORM)?;
     licences::check(&components, &folders.root)?;
     fs::write(folders.notices(), notices::text(&components, &folders.root)?)?;

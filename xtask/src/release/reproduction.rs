@@ -36,9 +36,6 @@ pub(super) fn run(folders: &Folders, steps: &[&Step]) -> io::Result<()> {
     let mut git = Command::new("git");
     git.args(["checkout", "--quiet", "--detach", &folders.commit]).current_dir(&clone);
     process::succeed(&mut git)?;
-    // The licences of its packages are in the binaries.
-    let mut npm = Command::new("npm");
-    process::succeed(npm.args(["ci", "--silent"]).current_dir(clone.join("studio")))?;
     let other = Folders::new(&clone)?;
     let mut differences = Vec::new();
     for step in steps {
