@@ -39,7 +39,14 @@ impl Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        let text = explain(&error);
+        Self::from(&error)
+    }
+}
+
+impl From<&Error> for Failure {
+    #[cold]
+    fn from(error: &Error) -> Self {
+        let text = explain(error);
         if error.is_infeasible() { Self::no_answer(text) } else { Self::input(text) }
     }
 }

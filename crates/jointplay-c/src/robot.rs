@@ -129,12 +129,14 @@ pub unsafe extern "C" fn jp_robot_forward(
         // SAFETY: the caller promises 3 numbers.
         let rods = unsafe { numbers::<3>(rods, "rods") }?;
         with_virtualization!(virtualization, chosen => {
-            let found = robot.gpr.forward(rods, chosen, &robot.options)?;
+            let found = robot.gpr.forward(rods, chosen, &robot.options);
+            // A reference: a pose that is moved is copied, which takes a fifth of the time of the call.
+            let found = found.as_ref()?;
             // SAFETY: NULL or room, by the caller's promise.
             unsafe { write(pose, &entries(&found.base_from_platform)) };
             if !virtual_joints.is_null() {
                 // SAFETY: as above.
-                unsafe { write(virtual_joints, &padded(&robot.gpr.virtual_displacements(&found, chosen))) };
+                unsafe { write(virtual_joints, &padded(&robot.gpr.virtual_displacements(found, chosen))) };
             }
             if !tilt.is_null() {
                 let Tilt { azimuth, angle } = found.tilt();

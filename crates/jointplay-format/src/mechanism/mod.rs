@@ -47,7 +47,7 @@ pub use loops::with_loops;
 pub use names::allowed_joint_name;
 pub use problem::{Error, Errors, Problem};
 pub use read::{Expected, MechanismFile, parse, parse_with};
-pub use values::{LengthUnit, Units};
+pub use values::{LARGEST_COORDINATE, LengthUnit, Units};
 pub use write::{write, write_loops};
 
 pub use crate::expression::{AngleUnit, ExpressionProblem};

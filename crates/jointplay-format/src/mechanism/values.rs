@@ -105,8 +105,8 @@ impl LengthUnit {
     }
 }
 
-/// The largest length (m) and the largest angle (rad) that a file may name: far from where squares overflow.
-const LARGEST: f64 = 1e6;
+/// The largest coordinate of a point (m), and the largest of a joint (m, rad), that a file may name: far from where squares overflow.
+pub const LARGEST_COORDINATE: f64 = 1e6;
 
 /// Evaluates the numbers of one file.
 pub(super) struct Values<'r, 'a> {
@@ -165,12 +165,16 @@ impl Values<'_, '_> {
             Coordinate::Slide => self.length(value),
             Coordinate::Turn => self.angle(value),
         };
-        if si.abs() <= LARGEST {
+        if si.abs() <= LARGEST_COORDINATE {
             return Some(si);
         }
         let (most, unit) = match coordinate {
-            Coordinate::Slide => (self.units.length.from_meters(LARGEST), self.units.length.name()),
-            Coordinate::Turn => (self.units.angle.from_radians(LARGEST), self.units.angle.name()),
+            Coordinate::Slide => {
+                (self.units.length.from_meters(LARGEST_COORDINATE), self.units.length.name())
+            }
+            Coordinate::Turn => {
+                (self.units.angle.from_radians(LARGEST_COORDINATE), self.units.angle.name())
+            }
         };
         let needed = format!("within ±{} {unit}", number(most));
         let key = entry.key.to_owned();

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use jointplay_core::mechanism::{JointKind, Mechanism, MechanismError};
 use jointplay_format::mechanism::{
-    AngleUnit, Expected, LengthUnit, MechanismFile, Units, allowed_joint_name,
+    AngleUnit, Expected, LARGEST_COORDINATE, LengthUnit, MechanismFile, Units, allowed_joint_name,
 };
 use jointplay_format::toml_reader::LARGEST;
 
@@ -82,32 +82,30 @@ impl Imported {
 
     /// Refuses numbers that a file of this mechanism may not have.
     pub(super) fn check_numbers(&self) -> Result<(), Problem> {
-        let too_large = |what, whose: &str, values: &[f64]| {
-            let found = values.iter().copied().find(|value| value.abs() > LARGEST);
+        let check = |what, whose: &str, values: &[f64], allowed| {
+            let found = values.iter().copied().find(|value| value.abs() > allowed);
+            let whose = || whose.to_owned();
             found.map_or(Ok(()), |found| {
-                Err(Problem::TooLarge { what, whose: whose.to_owned(), found, allowed: LARGEST })
+                Err(Problem::TooLarge { what, whose: whose(), found, allowed })
             })
         };
         for joint in self.mechanism.joints() {
             for frame in &joint.frames {
-                too_large("the position", &joint.name, frame.translation.vector.as_slice())?;
+                let point = frame.translation.vector.as_slice();
+                check("the position", &joint.name, point, LARGEST_COORDINATE)?;
             }
             if let JointKind::Helical { lead } = joint.kind {
-                too_large("the lead", &joint.name, &[lead * TAU])?;
+                check("the lead", &joint.name, &[lead * TAU], LARGEST)?;
             }
-            too_large("the guess", &joint.name, &joint.guess)?;
-            let limits: Vec<f64> = joint.limits.concat();
-            let limits: Vec<f64> = limits.into_iter().filter(|limit| limit.is_finite()).collect();
-            too_large("a limit", &joint.name, &limits)?;
-            for play in [joint.clearance, joint.stiffness] {
-                let values = [play.linear.unwrap_or(0.0), play.angular.unwrap_or(0.0)];
-                too_large("clearance or stiffness", &joint.name, &values)?;
-            }
+            check("the guess", &joint.name, &joint.guess, LARGEST_COORDINATE)?;
+            let limits = joint.limits.iter().flatten().copied();
+            let limits: Vec<f64> = limits.filter(|limit| limit.is_finite()).collect();
+            check("a limit", &joint.name, &limits, LARGEST_COORDINATE)?;
         }
         for coupling in self.mechanism.couplings() {
             let ratios: Vec<f64> = coupling.terms.iter().map(|&(_, ratio)| ratio).collect();
-            too_large("a ratio", &coupling.name, &ratios)?;
-            too_large("the offset", &coupling.name, &[coupling.offset])?;
+            check("a ratio", &coupling.name, &ratios, LARGEST)?;
+            check("the offset", &coupling.name, &[coupling.offset], LARGEST)?;
         }
         Ok(())
     }
