@@ -24,9 +24,9 @@ import type { Frame } from '../lib/kinematics';
 import { slotNames } from '../lib/slots';
 import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
-import type { Label } from '../scene/labels';
+import type { Label, Overlay } from '../scene/labels';
 import { SECTION_AXES, type PointOfPart, type Section } from './viewTools.svelte';
-import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
+import { SceneRenderer, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 
 /** Color and emission of parts in violation, for a current and for an outdated check. */

@@ -12,12 +12,12 @@ import type { Point } from '../lib/geometry';
 import type { View } from '../lib/link';
 import { Annotations } from './annotations';
 import { Handles } from './handles';
-import type { AxisArrow } from './labels';
+import type { AxisArrow, Overlay } from './labels';
 import { SCENE, type Theme } from './palette';
 import { RobotMaterials, RobotModel, SIZES } from './robotModel';
 import { updateRobotScene, type RobotPicture } from './robotScene';
 import { CUBE_SIDES } from './standardViews';
-import { SceneRenderer, type Camera, type Overlay, type RendererEvents } from './sceneRenderer';
+import { SceneRenderer, type Camera, type RendererEvents } from './sceneRenderer';
 
 Object3D.DEFAULT_UP.set(0, 0, 1);
 
