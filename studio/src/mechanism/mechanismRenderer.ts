@@ -74,6 +74,7 @@ export class MechanismRenderer extends SceneRenderer {
         camera: eye,
         description: DESCRIPTIONS.alone,
         unit_mm: 1000,
+        occlusion: 0.1,
         grid: GRID,
       },
       events,
@@ -169,7 +170,7 @@ export class MechanismRenderer extends SceneRenderer {
   /** Draws the forces and moments of a redundant constraint. */
   showLoads(constraint: RedundantConstraint | null): void {
     this.#model?.showLoads(constraint);
-    this.invalidate();
+    this.surfacesChanged();
   }
 
   override setTheme(theme: Theme): void {

@@ -1,9 +1,10 @@
 // Panes: parts of a view with a picture of their own. All of them have one canvas and one camera, and each has a stage.
 
-import type { Camera, WebGLRenderer } from 'three';
+import { Vector2, type Camera, type WebGLRenderer } from 'three';
 import type { Box } from '../lib/labelLayout';
 import type { TextContext } from '../lib/svgContext';
 import type { Overlay } from './labels';
+import type { Occlusion } from './occlusion';
 import type { Stage } from './stage';
 
 export interface Pane {
@@ -25,6 +26,9 @@ export type Arrangement = 'row' | 'column';
 
 /** Views of a smaller width have one pane above the other [px]. */
 const NARROW = 600;
+
+/** Pixels of the canvas per pixel of the view from which occlusion has half of the resolution. */
+const FINE = 1.5;
 
 /** Space of the title at the upper left of a pane [px]. */
 const TITLE = { left: 14, baseline: 24 } as const;
@@ -54,10 +58,20 @@ export function split(size: Size, arrangement: Arrangement): [Box, Box] {
   return [first, { left: size.width - width, top: size.height - height, right: size.width, bottom: size.height }];
 }
 
+/** Occlusion of a frame: whether it is computed, or used only where the last one is that of the frame. */
+export interface OcclusionOfFrame {
+  occlusion: Occlusion;
+  computes: boolean;
+}
+
 /** Renders each pane in its part of the canvas. */
-export function renderPanes(renderer: WebGLRenderer, panes: readonly Pane[], camera: Camera, size: Size, canvas: Size): void {
+export function renderPanes(renderer: WebGLRenderer, panes: readonly Pane[], camera: Camera, size: Size, { occlusion, computes }: OcclusionOfFrame): void {
+  const canvas = renderer.getSize(new Vector2());
   // The renderer has pixels of its own in pictures for export.
   const scale = canvas.width / size.width;
+  const ratio = scale * renderer.getPixelRatio();
+  const places = panes.map(({ stage, box }) => ({ stage, place: { left: ratio * box.left, right: ratio * box.right, bottom: ratio * (size.height - box.bottom), top: ratio * (size.height - box.top) } }));
+  occlusion.prepare(renderer, places, camera, ratio >= FINE ? 2 : 1, computes);
   renderer.setScissorTest(panes.length > 1);
   for (const { stage, box } of panes) {
     stage.updateShadows(renderer);

@@ -57,6 +57,7 @@ export class RobotRenderer extends SceneRenderer {
         camera,
         description: '3D view of the robot; its values are in the panels',
         unit_mm: 1,
+        occlusion: 60,
         grid: { step: 50, radius: 1100 },
       },
       events,
@@ -133,7 +134,7 @@ export class RobotRenderer extends SceneRenderer {
       this.partsMoved();
     this.#picture = picture;
     if (this.handles) this.handles.group.position.z = picture.pose.axis_height_m * 1000;
-    this.invalidate();
+    this.surfacesChanged();
   }
 
   // Views

@@ -21,6 +21,7 @@ import { installEnvironment } from './environment';
 import type { Box } from '../lib/labelLayout';
 import type { TextContext } from '../lib/svgContext';
 import { DESCRIPTIONS, type Freedom, type Handles } from './handles';
+import { Occlusion } from './occlusion';
 import { paintAxes, paintLabels, type Overlay } from './labels';
 import { SCENE, type Theme } from './palette';
 import { heightOf, paintDivider, paintTitles, renderPanes, wholeOf, widthOf, type Pane } from './panes';
@@ -52,6 +53,8 @@ export interface SceneOptions {
   description: string;
   /** Length of a unit of the scene [mm]. */
   unit_mm: number;
+  /** Length up to which parts occlude each other [units of the scene]. */
+  occlusion: number;
   grid: Grid;
 }
 
@@ -90,6 +93,9 @@ export abstract class SceneRenderer {
   readonly #options: SceneOptions;
   protected readonly stage: Stage;
   readonly #resolution: Resolution;
+  readonly #occlusion: Occlusion;
+  /** Whether moving pictures have occlusion: with a graphics card, as long as it reaches the full resolution. */
+  #occludesMoving: boolean;
   /** Whether the processor renders the pictures. */
   readonly #software: boolean;
   readonly #observer: ResizeObserver;
@@ -125,6 +131,8 @@ export abstract class SceneRenderer {
     this.labelCanvas.className = 'labels';
     host.append(canvas, this.labelCanvas);
     this.stage = new Stage(options.grid);
+    this.#occlusion = new Occlusion(options.occlusion);
+    this.#occludesMoving = !this.#software;
     this.controls = new OrbitControls(options.camera, canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
@@ -142,6 +150,7 @@ export abstract class SceneRenderer {
     cancelAnimationFrame(this.#frame);
     clearTimeout(this.#still);
     this.stage.dispose();
+    this.#occlusion.dispose();
     this.setHandles(null);
     this.controls.dispose();
     this.renderer.dispose();
@@ -192,6 +201,12 @@ export abstract class SceneRenderer {
   /** Requests a frame after parts have moved. */
   protected partsMoved(): void {
     this.stage.partsMoved();
+    this.invalidate();
+  }
+
+  /** Requests a frame after parts were cut, or are hidden or transparent now. */
+  protected surfacesChanged(): void {
+    this.stage.surfacesChanged();
     this.invalidate();
   }
 
@@ -246,10 +261,10 @@ export abstract class SceneRenderer {
     this.#frame = 0;
     clearTimeout(this.#still);
     const start = performance.now();
-    this.#resolution.observe(start - this.#lastFrame);
+    if (this.#resolution.observe(start - this.#lastFrame)) this.#occludesMoving = false;
     this.#lastFrame = start;
     this.#useRatio(this.#resolution.moving);
-    if (!this.#draw()) return;
+    if (!this.#draw(this.#occludesMoving)) return;
     this.#scheduleStill();
     this.onFrame?.();
     this.#events.rendered(performance.now() - start);
@@ -284,7 +299,7 @@ export abstract class SceneRenderer {
       this.renderer.setPixelRatio(1);
       this.renderer.setSize(width * factor, height * factor, false);
       this.resized();
-      const panes = this.#renderScene() ?? [];
+      const panes = this.#renderScene(true) ?? [];
       if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
       context.setTransform(1, 0, 0, 1, 0, 0);
       context.clearRect(0, 0, width, height);
@@ -314,7 +329,7 @@ export abstract class SceneRenderer {
       this.renderer.setPixelRatio(this.#resolution.moving);
       this.renderer.setSize(this.size.width, this.size.height);
       this.resized();
-      if (this.#draw()) this.#scheduleStill();
+      if (this.#draw(this.#occludesMoving)) this.#scheduleStill();
     }
   }
 
@@ -324,28 +339,28 @@ export abstract class SceneRenderer {
 
   #scheduleStill(): void {
     clearTimeout(this.#still);
-    if (this.#resolution.still > this.#resolution.moving) this.#still = setTimeout(() => this.#drawStill(), STILL_AFTER_MS);
+    if (this.#resolution.still > this.#resolution.moving || !this.#occludesMoving) this.#still = setTimeout(() => this.#drawStill(), STILL_AFTER_MS);
   }
 
   #drawStill(): void {
     const { width, height } = this.size;
     const largest = Math.sqrt(STILL_PIXELS / (width * height));
     this.#useRatio(Math.max(Math.min(this.#resolution.still, largest), this.#resolution.moving));
-    this.#draw();
+    this.#draw(true);
   }
 
-  /** Renders the panes; returns them, and `null` without a scene. */
-  #renderScene(): Pane[] | null {
+  /** Renders the panes, with a new occlusion where `occludes`; returns them, and `null` without a scene. */
+  #renderScene(occludes: boolean): Pane[] | null {
     const overlay = this.update();
     if (!overlay) return null;
     const panes = this.panes(overlay);
-    renderPanes(this.renderer, panes, this.camera, this.size, this.renderer.getSize(new Vector2()));
+    renderPanes(this.renderer, panes, this.camera, this.size, { occlusion: this.#occlusion, computes: occludes });
     return panes;
   }
 
   /** Renders the panes and their labels; returns whether there is a scene. */
-  #draw(): boolean {
-    const panes = this.#renderScene();
+  #draw(occludes: boolean): boolean {
+    const panes = this.#renderScene(occludes);
     if (!panes) return false;
     const context = this.labelCanvas.getContext('2d');
     if (context) {

@@ -24,6 +24,7 @@ export class Stage {
   readonly #environment = environmentLight();
   readonly #ground: Ground;
   #shadowsOutdated = true;
+  #surfaces = 0;
 
   constructor(grid: Grid) {
     const light = this.#keyLight;
@@ -57,6 +58,17 @@ export class Stage {
   /** Has the shadows rendered again before the next frame: they depend on the parts, not on the camera. */
   partsMoved(): void {
     this.#shadowsOutdated = true;
+    this.surfacesChanged();
+  }
+
+  /** Number of changes of the visible surfaces: what was computed for another one is outdated. */
+  get surfaces(): number {
+    return this.#surfaces;
+  }
+
+  /** Notes that parts have moved, or are cut, hidden or transparent now. */
+  surfacesChanged(): void {
+    this.#surfaces += 1;
   }
 
   paint(theme: Theme): void {
