@@ -132,9 +132,10 @@ export class RobotRenderer extends SceneRenderer {
   show(picture: RobotPicture): void {
     if (picture.pose !== this.#picture?.pose || picture.exaggeration !== this.#picture.exaggeration || picture.model !== this.#picture.model)
       this.partsMoved();
+    if (picture.shown !== this.#picture?.shown) this.surfacesChanged();
     this.#picture = picture;
     if (this.handles) this.handles.group.position.z = picture.pose.axis_height_m * 1000;
-    this.surfacesChanged();
+    this.invalidate();
   }
 
   // Views

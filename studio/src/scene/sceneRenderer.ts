@@ -75,8 +75,8 @@ export interface Picture {
 const GRIP = { width: 26, height: 64 } as const;
 /** Largest number of pixels of a still picture, which takes the processor about a second. */
 const STILL_PIXELS = 9e6;
-/** Time without changes before the still picture [ms]. */
-const STILL_AFTER_MS = 220;
+/** Time without changes before the still picture [ms]: longer where moving pictures are slow, so that none is rendered between two of them. */
+const STILL_AFTER = { least: 220, most: 660, intervals: 3 } as const;
 
 /** Pointer movement up to which a click is a click and not a drag [px]. */
 export const CLICK_DISTANCE = 4;
@@ -105,6 +105,7 @@ export abstract class SceneRenderer {
   #frame = 0;
   #still: ReturnType<typeof setTimeout> | undefined;
   #lastFrame = 0;
+  #stillAfter: number = STILL_AFTER.least;
 
   constructor(host: HTMLElement, options: SceneOptions, events: RendererEvents) {
     this.#host = host;
@@ -261,7 +262,10 @@ export abstract class SceneRenderer {
     this.#frame = 0;
     clearTimeout(this.#still);
     const start = performance.now();
-    if (this.#resolution.observe(start - this.#lastFrame)) this.#occludesMoving = false;
+    const interval = start - this.#lastFrame;
+    if (this.#resolution.observe(interval)) this.#occludesMoving = false;
+    // Longer intervals are pauses between movements.
+    this.#stillAfter = interval > STILL_AFTER.most ? STILL_AFTER.least : Math.min(Math.max(STILL_AFTER.intervals * interval, STILL_AFTER.least), STILL_AFTER.most);
     this.#lastFrame = start;
     this.#useRatio(this.#resolution.moving);
     if (!this.#draw(this.#occludesMoving)) return;
@@ -339,7 +343,7 @@ export abstract class SceneRenderer {
 
   #scheduleStill(): void {
     clearTimeout(this.#still);
-    if (this.#resolution.still > this.#resolution.moving || !this.#occludesMoving) this.#still = setTimeout(() => this.#drawStill(), STILL_AFTER_MS);
+    if (this.#resolution.still > this.#resolution.moving || !this.#occludesMoving) this.#still = setTimeout(() => this.#drawStill(), this.#stillAfter);
   }
 
   #drawStill(): void {
