@@ -24,9 +24,9 @@ import type { Frame } from '../lib/kinematics';
 import { slotNames } from '../lib/slots';
 import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
-import type { Label } from '../scene/labels';
+import type { Label, Overlay } from '../scene/labels';
 import { SECTION_AXES, type PointOfPart, type Section } from './viewTools.svelte';
-import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
+import { SceneRenderer, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
 
 /** Color and emission of parts in violation, for a current and for an outdated check. */
@@ -95,6 +95,7 @@ export class CellRenderer extends SceneRenderer {
         camera: eye,
         description: '3D view of the cell; its stations, steps and violations are listed in the panels',
         unit_mm: 1000,
+        occlusion: 0.16,
         grid: { step: 0.1, radius: 2.4 },
       },
       events,
@@ -199,7 +200,7 @@ export class CellRenderer extends SceneRenderer {
   highlight(violating: ReadonlySet<string>, selected: ReadonlySet<string>): void {
     this.#highlighted = { violating, selected };
     this.#highlight();
-    this.invalidate();
+    this.surfacesChanged();
   }
 
   /** Whether the highlighted violations belong to an earlier state; they are then gray. */
@@ -392,7 +393,7 @@ export class CellRenderer extends SceneRenderer {
     const normal = new Vector3();
     if (section) normal.setComponent(SECTION_AXES.indexOf(section.axis), -1);
     this.renderer.clippingPlanes = section ? [new Plane(normal, section.at)] : [];
-    this.invalidate();
+    this.surfacesChanged();
   }
 
   /** Moves the camera along with a part; `null` for none. */

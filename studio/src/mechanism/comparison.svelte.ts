@@ -2,6 +2,8 @@
 
 import * as api from '../api/client';
 import type { ConfigurationDocument, MechanismDocument, MobilityOfMechanism, PlacedDocument } from '../api/client';
+import { load, save } from '../lib/settings';
+import { isReferenceDisplay, type ReferenceDisplay } from './referenceDisplay';
 import { mechanismSession as session } from './session.svelte';
 
 /** A state that others are compared with. */
@@ -32,8 +34,15 @@ export function counts(mobility: MobilityOfMechanism | null): MobilityCounts | n
 
 class Comparison {
   reference = $state.raw<Reference | null>(null);
-  /** Whether the reference is drawn in the view. */
-  isDrawn = $state(true);
+  /** How the reference is drawn in the view; remembered by the browser. */
+  display = $state(load<ReferenceDisplay>('mechanism.reference', 'overlaid', isReferenceDisplay));
+  /** Whether the view has a pane for the reference. */
+  isBeside = $derived(this.reference !== null && this.display === 'beside');
+
+  setDisplay(display: ReferenceDisplay): void {
+    this.display = display;
+    save('mechanism.reference', display);
+  }
 
   /** Takes the shown state as reference. */
   take(): void {

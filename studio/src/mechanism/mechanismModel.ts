@@ -1,6 +1,7 @@
 // 3D model of a mechanism: bars of links, joints by kind, virtual joints. Units: m, as the server sends them.
 
 import {
+  Box3,
   BoxGeometry,
   ConeGeometry,
   CylinderGeometry,
@@ -180,6 +181,19 @@ export class MechanismModel {
       cone.quaternion.setFromUnitVectors(UP, direction);
       this.#loads.add(cone);
     }
+  }
+
+  /** The box around all parts, in the scene. */
+  get box(): Box3 {
+    this.group.updateMatrixWorld(true);
+    return new Box3().setFromObject(this.group);
+  }
+
+  /** Whether the mechanism has a part of this kind and name. */
+  hasPart({ kind, name }: PartOf): boolean {
+    const { links, joints, virtual_joints } = this.#document;
+    const parts: readonly { name: string }[] = kind === 'link' ? links : kind === 'joint' ? joints : virtual_joints;
+    return parts.some((one) => one.name === name);
   }
 
   /** The moving link of a part; `null` for the base. */

@@ -1,13 +1,16 @@
-// 3D view of a mechanism. The scene is scaled so that every mechanism has the same size; units of the scene: sizes.
+// 3D view of a mechanism, and of a reference next to it. The scene is scaled so that every mechanism has the same size; of two, the larger one.
 
 import { Box3, PerspectiveCamera, Plane, Vector2, Vector3 } from 'three';
 import type { MechanismDocument, PlacedDocument, RedundantConstraint } from '../api/client';
 import { SCENE, type Theme } from '../scene/palette';
-import { CLICK_DISTANCE, SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
+import { arrangementOf, pictureArrangement, redirectWheel, split, type Pane } from '../scene/panes';
+import { CLICK_DISTANCE, SceneRenderer, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
-import type { Label } from '../scene/labels';
+import type { Label, Overlay } from '../scene/labels';
+import type { Box } from '../lib/labelLayout';
 import { MechanismMaterials, MechanismModel, type PartOf } from './mechanismModel';
 import { PointHandle } from './pointHandle';
+import { ReferencePicture, type DrawnReference } from './referencePicture';
 
 export interface MechanismRendererEvents extends RendererEvents {
   /** A part was clicked; `null` for the background. */
@@ -29,6 +32,15 @@ interface PointDrag {
 
 /** Up to this number of joints, all of them have labels. */
 const MANY = 16;
+/** Area of the titles of panes, which labels leave free: from the top of a view and of a lower pane [px]. */
+const TITLES = { width: 300, first: 68, lower: 30 } as const;
+/** Distance of the ground below the mechanism [units of the scene]. */
+const ABOVE_GROUND = 0.04;
+const GRID = { step: 0.1, radius: 3 } as const;
+const DESCRIPTIONS = {
+  alone: '3D view of the mechanism; its links, joints and values are in the panels',
+  beside: '3D views of the reference and of the shown mechanism, side by side; their values are in the panel Comparison',
+} as const;
 /** Length of a joint and its surroundings [sizes]: joints have no labels in views from far away. */
 const LABELLED = 0.18;
 /** The view is larger than the mechanism by this factor, for labels and buttons. */
@@ -45,8 +57,9 @@ export class MechanismRenderer extends SceneRenderer {
   #poses: readonly PlacedDocument[] = [];
   #selected: (part: PartOf) => boolean = () => false;
   #animation = 0;
-  readonly #ghostMaterials = new MechanismMaterials();
-  #ghost: MechanismModel | null = null;
+  readonly #reference = new ReferencePicture(GRID);
+  /** Length of a unit of the scene [m]. */
+  #unit_m = 1;
   readonly #handle = new PointHandle();
   /** The point with a handle [m, in the frame of the link]. */
   #point: { link: string; point_m: readonly number[] } | null = null;
@@ -59,9 +72,10 @@ export class MechanismRenderer extends SceneRenderer {
       host,
       {
         camera: eye,
-        description: '3D view of the mechanism; its links, joints and values are in the panels',
+        description: DESCRIPTIONS.alone,
         unit_mm: 1000,
-        grid: { step: 0.1, radius: 3 },
+        occlusion: 0.1,
+        grid: GRID,
       },
       events,
     );
@@ -72,6 +86,9 @@ export class MechanismRenderer extends SceneRenderer {
     // For the capture phase: a drag of a point must not reach the camera controls.
     this.canvas.addEventListener('pointerdown', (event) => this.#take(event), { capture: true });
     this.canvas.addEventListener('pointermove', (event) => this.#follow(event));
+    redirectWheel(this.canvas, (event) => (this.#reference.beside ? this.paneBoxes[this.paneUnder(event)]! : null));
+    // Two fingers zoom to the target where the centre between them is not that of the whole canvas.
+    this.canvas.addEventListener('pointerdown', ({ pointerType }) => (this.controls.zoomToCursor = pointerType !== 'touch' || !this.#reference.beside), { capture: true });
     this.measure();
   }
 
@@ -80,8 +97,7 @@ export class MechanismRenderer extends SceneRenderer {
     this.#model?.dispose();
     this.#materials.dispose();
     this.#handle.dispose();
-    this.#ghost?.dispose();
-    this.#ghostMaterials.dispose();
+    this.#reference.dispose();
     super.dispose();
   }
 
@@ -98,12 +114,10 @@ export class MechanismRenderer extends SceneRenderer {
       this.invalidate();
       return;
     }
-    this.#model.group.scale.setScalar(1 / document.size_m);
     this.scene.add(this.#model.group);
     this.place(poses);
     this.#model.highlight(this.#selected);
-    const box = this.#box();
-    this.placeGround(box, box.min.z - 0.04);
+    this.#arrange(this.#reference.beside !== null);
   }
 
   /** Moves the links to their poses. */
@@ -148,24 +162,26 @@ export class MechanismRenderer extends SceneRenderer {
   highlight(selected: (part: PartOf) => boolean): void {
     this.#selected = selected;
     this.#model?.highlight(selected);
+    // Parts are compared by name, as values are.
+    this.#reference.highlight(selected);
     this.invalidate();
   }
 
   /** Draws the forces and moments of a redundant constraint. */
   showLoads(constraint: RedundantConstraint | null): void {
     this.#model?.showLoads(constraint);
-    this.invalidate();
+    this.surfacesChanged();
   }
 
   override setTheme(theme: Theme): void {
     this.#materials.paint(SCENE[theme]);
-    this.#ghostMaterials.makeGhost(SCENE[theme].reference);
+    this.#reference.paint(theme);
     this.#handle.paint(SCENE[theme].handle, SCENE[theme].handleActive);
     super.setTheme(theme);
   }
 
   #box(): Box3 {
-    const box = this.#model ? new Box3().setFromObject(this.#model.group) : new Box3();
+    const box = this.#model?.box ?? new Box3();
     return box.isEmpty() ? new Box3(new Vector3(-1, -1, -1), new Vector3(1, 1, 1)) : box;
   }
 
@@ -177,7 +193,7 @@ export class MechanismRenderer extends SceneRenderer {
 
   /** Moves the camera along a direction to where the corners of all bars fit into the view, with a margin. */
   #fit(toward: Vector3): void {
-    const box = this.#box();
+    const box = this.#wholeBox();
     const center = box.getCenter(new Vector3());
     const right = new Vector3().crossVectors(this.#eye.up, toward).normalize();
     const up = new Vector3().crossVectors(toward, right);
@@ -192,28 +208,28 @@ export class MechanismRenderer extends SceneRenderer {
     this.invalidate();
   }
 
-  /** Position and target of the camera [sizes]. */
+  /** Position and target of the camera [sizes of the mechanism]. */
   get cameraPose(): { eye: number[]; target: number[] } {
-    return { eye: this.#eye.position.toArray(), target: this.controls.target.toArray() };
+    const scale = this.#unit_m / (this.#document?.size_m ?? this.#unit_m);
+    return { eye: this.#eye.position.clone().multiplyScalar(scale).toArray(), target: this.controls.target.clone().multiplyScalar(scale).toArray() };
   }
 
   set cameraPose({ eye, target }: { eye: number[]; target: number[] }) {
-    this.#eye.position.fromArray(eye);
-    this.controls.target.fromArray(target);
+    const scale = (this.#document?.size_m ?? this.#unit_m) / this.#unit_m;
+    this.#eye.position.fromArray(eye).multiplyScalar(scale);
+    this.controls.target.fromArray(target).multiplyScalar(scale);
     this.controls.update();
     this.invalidate();
   }
 
   /** Positions of the joints in the base frame [m]. */
   jointPositions(): Record<string, number[]> {
-    const size = this.#document?.size_m ?? 1;
-    return Object.fromEntries((this.#model?.jointPositions() ?? []).map(({ name, position }) => [name, position.multiplyScalar(size).toArray()]));
+    return Object.fromEntries((this.#model?.jointPositions() ?? []).map(({ name, position }) => [name, position.multiplyScalar(this.#unit_m).toArray()]));
   }
 
   /** Origins of the links in the base frame [m]. */
   linkOrigins(): Record<string, number[]> {
-    const size = this.#document?.size_m ?? 1;
-    return Object.fromEntries((this.#model?.linkOrigins() ?? []).map(({ name, position }) => [name, position.multiplyScalar(size).toArray()]));
+    return Object.fromEntries((this.#model?.linkOrigins() ?? []).map(({ name, position }) => [name, position.multiplyScalar(this.#unit_m).toArray()]));
   }
 
   /** Position of a joint on the page [px]. */
@@ -224,24 +240,107 @@ export class MechanismRenderer extends SceneRenderer {
   }
 
   protected resized(): void {
-    this.#eye.aspect = this.size.width / this.size.height;
+    const { width, height } = this.paneSize;
+    this.#eye.aspect = width / height;
     this.#eye.updateProjectionMatrix();
+    // The controls take the whole canvas as the picture.
+    this.controls.panSpeed = this.size.height / height;
   }
 
-  /** Draws a state to compare with, translucent and in the base frame of the mechanism. */
-  showGhost(state: { document: MechanismDocument; poses: readonly PlacedDocument[] } | null): void {
-    if (this.#ghost) {
-      this.scene.remove(this.#ghost.group);
-      this.#ghost.dispose();
+  // The reference
+
+  /** Draws a state to compare with: translucent in the base frame of the mechanism, or next to it. */
+  compare(drawn: DrawnReference | null): void {
+    const before = this.#reference.beside;
+    this.#reference.draw(drawn, this.scene, this.#materials);
+    const { beside } = this.#reference;
+    this.canvas.setAttribute('aria-label', DESCRIPTIONS[beside ? 'beside' : 'alone']);
+    this.#arrange(true);
+    this.#reference.highlight(this.#selected);
+    this.resized();
+    if (beside && beside.document !== before?.document && !this.#isInView) this.#fitAgain();
+  }
+
+  /** Keeps both mechanisms in their panes when these change their shape. */
+  protected override measure(): void {
+    const keeps = this.#reference.beside !== null && this.#isInView;
+    super.measure();
+    if (keeps && !this.#isInView) this.#fitAgain();
+  }
+
+  #fitAgain(): void {
+    this.#fit(this.#eye.position.clone().sub(this.controls.target).normalize());
+  }
+
+  /** Scales and places the mechanism and the reference; with `keepsPicture`, the camera follows the unit of the scene. */
+  #arrange(keepsPicture: boolean): void {
+    const { drawn, beside } = this.#reference;
+    const own = this.#document?.size_m ?? drawn?.document.size_m ?? this.#unit_m;
+    const before = this.#unit_m;
+    this.#unit_m = beside ? Math.max(own, beside.document.size_m) : own;
+    if (keepsPicture && before !== this.#unit_m) {
+      this.#eye.position.multiplyScalar(before / this.#unit_m);
+      this.controls.target.multiplyScalar(before / this.#unit_m);
+      this.controls.update();
     }
-    this.#ghost = state && new MechanismModel(state.document, this.#ghostMaterials);
-    if (state && this.#ghost) {
-      this.#ghost.place(state.poses);
-      this.#ghost.group.scale.setScalar(1 / (this.#document?.size_m ?? state.document.size_m));
-      this.#ghost.group.traverse((part) => (part.castShadow = false));
-      this.scene.add(this.#ghost.group);
-    }
-    this.invalidate();
+    this.#model?.group.scale.setScalar(1 / this.#unit_m);
+    const isSame = drawn?.document.name === this.#document?.name;
+    this.#reference.arrange(this.#unit_m, this.#box(), isSame);
+    // Two states of one mechanism are above the same ground.
+    const box = beside && isSame ? this.#wholeBox() : this.#box();
+    this.placeGround(box, box.min.z - ABOVE_GROUND);
+    if (!beside) return;
+    const other = isSame ? box : this.#reference.box;
+    this.#reference.stage.place(other, other.min.z - ABOVE_GROUND);
+  }
+
+  /** The box around all panes. */
+  #wholeBox(): Box3 {
+    return this.#reference.beside ? this.#box().union(this.#reference.box) : this.#box();
+  }
+
+  /** Whether the corners of that box are in view. */
+  get #isInView(): boolean {
+    const { min, max } = this.#wholeBox();
+    this.#eye.updateMatrixWorld();
+    return [0, 1, 2, 3, 4, 5, 6, 7].every((i) => {
+      const { x, y } = new Vector3(i & 1 ? min.x : max.x, i & 2 ? min.y : max.y, i & 4 ? min.z : max.z).project(this.#eye);
+      return Math.max(Math.abs(x), Math.abs(y)) <= 1;
+    });
+  }
+
+  /** Places of the panes: that of the shown mechanism comes second on the page. */
+  protected override get paneBoxes(): Box[] {
+    if (!this.#reference.beside) return super.paneBoxes;
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const [first, second] = split(this.size, this.exporting ? pictureArrangement(this.size, { width, height }) : arrangementOf(this.size.width));
+    return [second, first];
+  }
+
+  protected override panes(overlay: Overlay): Pane[] {
+    const { beside, stage } = this.#reference;
+    if (!beside) return super.panes(overlay);
+    const [box, other] = this.paneBoxes as [Box, Box];
+    const { covered, occupied = [] } = overlay;
+    // Titles are below the buttons of the view, and at the top of a lower pane.
+    const titles = [other, box].map(({ left, top, right }) => ({ left, top, right: Math.min(left + TITLES.width, right), bottom: top + (top > 0 ? TITLES.lower : TITLES.first) }));
+    const labels = this.#labels(beside.model, beside.document.size_m);
+    return [
+      { stage: this.stage, box, overlay: { ...overlay, occupied: [...occupied, ...titles] }, title: `Shown: ${this.#document?.name ?? ''}` },
+      { stage, box: other, overlay: { labels, covered, occupied: [...occupied, ...titles] }, title: `Reference: ${beside.document.name}` },
+    ];
+  }
+
+  /** Position of a joint of the reference on the page [px]; `null` without a pane of its own. */
+  referenceOnPage(name: string): { x: number; y: number } | null {
+    const found = this.#reference.beside?.model.jointPositions().find((one) => one.name === name);
+    return found ? this.#pagePosition(found.position, 1) : null;
+  }
+
+  /** The panes on the page, that of the shown mechanism first [px]. */
+  panesOnPage(): Box[] {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    return this.paneBoxes.map((box) => ({ left: left + box.left, top: top + box.top, right: left + box.right, bottom: top + box.bottom }));
   }
 
   // The moved point
@@ -265,7 +364,8 @@ export class MechanismRenderer extends SceneRenderer {
 
   /** The part and the point of a moving link under the pointer, by the handle first. */
   #under(event: MouseEvent): { part: PartOf | null; link: string; position: Vector3 } | null {
-    if (!this.#model || !this.#events.pointTaken) return null;
+    // The reference is not moved.
+    if (!this.#model || !this.#events.pointTaken || this.paneUnder(event) !== 0) return null;
     const position = this.#pointPosition();
     if (position && this.#point && this.#handle.isHit(this.ray(event))) return { part: null, link: this.#point.link, position };
     const hit = this.intersection(event, this.#model.group);
@@ -303,37 +403,50 @@ export class MechanismRenderer extends SceneRenderer {
       return;
     }
     if (!drag.wanted && drag.start.distanceTo(new Vector2(event.clientX, event.clientY)) < CLICK_DISTANCE) return;
-    const at = this.ray(event).ray.intersectPlane(drag.plane, new Vector3());
+    // The pointer may leave the pane.
+    const at = this.ray(event, 0).ray.intersectPlane(drag.plane, new Vector3());
     if (!at) return;
     this.canvas.style.cursor = 'grabbing';
     drag.wanted = at.add(drag.offset);
-    this.#events.pointMoved?.(drag.wanted.clone().multiplyScalar(this.#document?.size_m ?? 1).toArray());
+    this.#events.pointMoved?.(drag.wanted.clone().multiplyScalar(this.#unit_m).toArray());
     this.invalidate();
   }
 
-  #pagePosition(position: Vector3): { x: number; y: number } {
+  #pagePosition(position: Vector3, pane = 0): { x: number; y: number } {
     const { x, y } = position.project(this.#eye);
-    const box = this.canvas.getBoundingClientRect();
-    return { x: box.left + ((x + 1) / 2) * box.width, y: box.top + ((1 - y) / 2) * box.height };
+    const { left, top, right, bottom } = this.panesOnPage()[pane]!;
+    return { x: left + ((x + 1) / 2) * (right - left), y: top + ((1 - y) / 2) * (bottom - top) };
   }
 
   protected update(): Overlay | null {
     const handle = this.exporting || this.#animation ? null : this.#pointPosition();
     this.#handle.group.visible = handle !== null;
-    if (handle) this.#handle.place(handle, this.#drag?.wanted ?? null, this.#eye, this.size.height, this.#drag !== null);
-    const joints = this.#model?.jointPositions() ?? [];
+    if (handle) this.#handle.place(handle, this.#drag?.wanted ?? null, this.#eye, this.paneSize.height, this.#drag !== null);
+    const labels = this.#model && this.#document ? this.#labels(this.#model, this.#document.size_m) : [];
+    return { labels, covered: { left: 8, right: 8 }, occupied: [this.cornerBox(34)] };
+  }
+
+  /** Labels of the joints of a mechanism. */
+  #labels(model: MechanismModel, size_m: number): Label[] {
+    const joints = model.jointPositions();
     const all = joints.length <= MANY;
     const isSelected = (name: string) => this.#selected({ kind: 'joint', name });
     const shown = joints.filter(({ name, actuated }) => all || actuated || isSelected(name));
     // Labels that are painted first have the best places.
     const rank = ({ name, actuated }: (typeof joints)[number]) => (isSelected(name) ? 0 : actuated ? 1 : 2);
-    const labels = shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }): Label => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : LABELLED }));
-    return { labels, covered: { left: 8, right: 8 }, occupied: [this.cornerBox(34)] };
+    const extent = (LABELLED * size_m) / this.#unit_m;
+    return shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }) => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : extent }));
   }
 
   #pick(event: MouseEvent): void {
-    if (!this.#model || this.isDragOrHandle(event) || this.#handle.isHit(this.ray(event))) return;
-    const hit = this.intersection(event, this.#model.group);
-    this.#events.picked((hit?.object.userData.part as PartOf | undefined) ?? null);
+    if (!this.#model || this.isDragOrHandle(event)) return;
+    const { beside } = this.#reference;
+    const inReference = beside !== null && this.paneUnder(event) !== 0;
+    if (!inReference && this.#handle.isHit(this.ray(event))) return;
+    const hit = this.intersection(event, inReference ? beside.model.group : this.#model.group);
+    const part = (hit?.object.userData.part as PartOf | undefined) ?? null;
+    // In the pane of the reference, the part of the shown mechanism with the same name is selected, if there is one.
+    if (part && inReference && !this.#model.hasPart(part)) return;
+    this.#events.picked(part);
   }
 }

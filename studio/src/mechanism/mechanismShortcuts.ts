@@ -5,6 +5,7 @@ import { layout } from '../state/layout.svelte';
 import { shortcutOf, type Shortcut, type ShortcutSheet } from '../state/shortcuts';
 import { studio } from '../state/studio.svelte';
 import { comparison } from './comparison.svelte';
+import { nextDisplay } from './referenceDisplay';
 import { mechanismSession } from './session.svelte';
 
 /** Shows a standard view, while there is a 3D view. */
@@ -14,6 +15,7 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'Mechanism', keys: ['h'], description: 'home: closed from the guess of the file', run: () => mechanismSession.home() },
   { group: 'Mechanism', keys: ['w'], description: 'wiggle the freedoms, or stop', run: () => (mechanismSession.animated === null ? void mechanismSession.computeMotions() : (mechanismSession.animated = null)) },
   { group: 'Mechanism', keys: ['c'], description: 'reference: compare with the shown state', run: () => comparison.take() },
+  { group: 'Mechanism', keys: ['b'], description: 'reference overlaid, side by side or not drawn', run: () => comparison.setDisplay(nextDisplay(comparison.display)) },
   { group: 'Mechanism', keys: ['Escape'], description: 'end the selection and the animation', run: () => { mechanismSession.selected = null; mechanismSession.redundant = null; mechanismSession.animated = null; } },
   ...SCENE_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => camera.showView?.(view) })),
   { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },

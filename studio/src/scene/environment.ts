@@ -3,7 +3,7 @@
 // The environment is a sky with two soft boxes. An image of it would have to be filtered for each roughness, which takes seconds
 // without a graphics card; the functions below are filtered by construction. They apply to every physically based material.
 
-import { AmbientLight, ShaderChunk } from 'three';
+import { AmbientLight, MeshStandardMaterial, ShaderChunk, Vector2, type Texture } from 'three';
 
 /** Directions to the soft boxes, in the base frame with z up: the key light of each scene is near the first one. */
 const FUNCTIONS = /* glsl */ `
@@ -37,10 +37,32 @@ vec3 environmentIrradiance( vec3 normal ) {
 }
 `;
 
+/** Uniforms of all physically based materials: the share of the environment that reaches each pixel, see `occlusion.ts`. */
+export const occlusionUniforms = {
+  occlusionMap: { value: null as Texture | null },
+  /** Pixels of the picture along its edges. */
+  occlusionSize: { value: new Vector2(1, 1) },
+  /** 1, or 0 without occlusion. */
+  occlusionStrength: { value: 0 },
+};
+
+const OCCLUSION = /* glsl */ `
+uniform sampler2D occlusionMap;
+uniform vec2 occlusionSize;
+uniform float occlusionStrength;
+float environmentShare() {
+  #ifdef OPAQUE
+    if ( occlusionStrength > 0.0 ) return mix( 1.0, texture2D( occlusionMap, gl_FragCoord.xy / occlusionSize ).r, occlusionStrength );
+  #endif
+  return 1.0;
+}
+`;
+
 const APPLICATION = /* glsl */ `
 #if defined( RE_IndirectSpecular )
-  iblIrradiance += PI * ambientLightColor * environmentIrradiance( inverseTransformDirection( geometryNormal, viewMatrix ) );
-  radiance += ambientLightColor * environmentRadiance( inverseTransformDirection( reflect( - geometryViewDir, geometryNormal ), viewMatrix ), material.roughness );
+  float share = environmentShare();
+  iblIrradiance += share * PI * ambientLightColor * environmentIrradiance( inverseTransformDirection( geometryNormal, viewMatrix ) );
+  radiance += share * ambientLightColor * environmentRadiance( inverseTransformDirection( reflect( - geometryViewDir, geometryNormal ), viewMatrix ), material.roughness );
   irradiance = vec3( 0.0 );
 #endif
 `;
@@ -63,7 +85,8 @@ export function replacedPart(shader: string, part: RegExp, replacement: string):
 export function installEnvironment(): void {
   if (installed) return;
   installed = true;
-  ShaderChunk.lights_physical_pars_fragment += FUNCTIONS;
+  ShaderChunk.lights_physical_pars_fragment += FUNCTIONS + OCCLUSION;
+  MeshStandardMaterial.prototype.onBeforeCompile = ({ uniforms }) => void Object.assign(uniforms, occlusionUniforms);
   ShaderChunk.lights_fragment_maps += APPLICATION;
   let shadows = replacedPart(ShaderChunk.shadowmap_pars_fragment, /vec2 vogelDiskSample\([^{]*\{[^}]*\}/, SAMPLES);
   shadows = replacedPart(shadows, /float phi = interleavedGradientNoise[^;]*;/, 'const float phi = 0.0;');

@@ -18,6 +18,15 @@ export interface Label {
   extent?: number;
 }
 
+/** Labels of a frame, and what other elements cover: widths at its left and right, and further areas of the view [px]. */
+export interface Overlay {
+  labels: Label[];
+  /** Axes that are drawn as vectors, in pictures that have vectors. */
+  axes?: AxisArrow[];
+  covered: { left: number; right: number };
+  occupied?: Box[];
+}
+
 const FONT = { size: 12, subscript: 9, drop: 3, height: 16 } as const;
 /** A part that appears shorter has no label [px]. */
 const SMALLEST = 26;
@@ -75,12 +84,12 @@ export function paintAxes(context: TextContext, axes: readonly AxisArrow[], came
   }
 }
 
-/** Paints labels between the covered margins of the view, and outside of occupied areas. */
+/** Paints the labels of a pane of the view between its covered margins, and outside of occupied areas of the view. */
 export function paintLabels(
   context: TextContext,
   labels: readonly Label[],
   camera: Camera,
-  size: Size,
+  pane: Box,
   covered: { left: number; right: number },
   occupied: readonly Box[],
   ink: { text: string; halo: string },
@@ -89,13 +98,13 @@ export function paintLabels(
   context.lineJoin = 'round';
   const toPixels = (position: Vector3) => {
     const projected = position.clone().project(camera);
-    return { x: ((projected.x + 1) / 2) * size.width, y: ((1 - projected.y) / 2) * size.height, visible: projected.z <= 1 && projected.z >= -1 };
+    return { x: pane.left + ((projected.x + 1) / 2) * (pane.right - pane.left), y: pane.top + ((1 - projected.y) / 2) * (pane.bottom - pane.top), visible: projected.z <= 1 && projected.z >= -1 };
   };
   const sideways = new Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
   const shown = labels.flatMap((label) => {
     const { position, text, offset, awayFrom, strong = false, extent } = label;
     const { x, y, visible } = toPixels(position);
-    if (!visible || x < 0 || y < 0 || x > size.width || y > size.height) return [];
+    if (!visible || x < pane.left || y < pane.top || x > pane.right || y > pane.bottom) return [];
     if (extent !== undefined) {
       const side = toPixels(position.clone().addScaledVector(sideways, extent));
       if (Math.hypot(side.x - x, side.y - y) < SMALLEST) return [];
@@ -115,7 +124,7 @@ export function paintLabels(
   });
   // Strong labels get the best places.
   shown.sort((a, b) => Number(b.strong) - Number(a.strong));
-  const view: Box = { left: covered.left, top: 2, right: size.width - covered.right, bottom: size.height - 2 };
+  const view: Box = { left: pane.left + covered.left, top: pane.top + 2, right: pane.right - covered.right, bottom: pane.bottom - 2 };
   const placed = placeLabels(shown, view, occupied);
   for (const { index, box, leader } of placed) {
     if (!leader) continue;

@@ -12,12 +12,12 @@ import type { Point } from '../lib/geometry';
 import type { View } from '../lib/link';
 import { Annotations } from './annotations';
 import { Handles } from './handles';
-import type { AxisArrow } from './labels';
+import type { AxisArrow, Overlay } from './labels';
 import { SCENE, type Theme } from './palette';
 import { RobotMaterials, RobotModel, SIZES } from './robotModel';
 import { updateRobotScene, type RobotPicture } from './robotScene';
 import { CUBE_SIDES } from './standardViews';
-import { SceneRenderer, type Camera, type Overlay, type RendererEvents } from './sceneRenderer';
+import { SceneRenderer, type Camera, type RendererEvents } from './sceneRenderer';
 
 Object3D.DEFAULT_UP.set(0, 0, 1);
 
@@ -57,6 +57,7 @@ export class RobotRenderer extends SceneRenderer {
         camera,
         description: '3D view of the robot; its values are in the panels',
         unit_mm: 1,
+        occlusion: 60,
         grid: { step: 50, radius: 1100 },
       },
       events,
@@ -131,6 +132,7 @@ export class RobotRenderer extends SceneRenderer {
   show(picture: RobotPicture): void {
     if (picture.pose !== this.#picture?.pose || picture.exaggeration !== this.#picture.exaggeration || picture.model !== this.#picture.model)
       this.partsMoved();
+    if (picture.shown !== this.#picture?.shown) this.surfacesChanged();
     this.#picture = picture;
     if (this.handles) this.handles.group.position.z = picture.pose.axis_height_m * 1000;
     this.invalidate();

@@ -2,11 +2,9 @@
 // A frame is rendered only after a change; when nothing moves any more, a still picture with smooth edges follows.
 
 import {
-  DirectionalLight,
   NeutralToneMapping,
   PCFShadowMap,
   Raycaster,
-  Scene,
   Vector2,
   Vector3,
   WebGLRenderer,
@@ -16,16 +14,19 @@ import {
   type OrthographicCamera,
   type PerspectiveCamera,
   type Plane,
+  type Scene,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { environmentLight, installEnvironment } from './environment';
-import { Ground } from './ground';
+import { installEnvironment } from './environment';
 import type { Box } from '../lib/labelLayout';
 import type { TextContext } from '../lib/svgContext';
 import { DESCRIPTIONS, type Freedom, type Handles } from './handles';
-import { paintAxes, paintLabels, type AxisArrow, type Label } from './labels';
+import { Occlusion } from './occlusion';
+import { paintAxes, paintLabels, type Overlay } from './labels';
 import { SCENE, type Theme } from './palette';
+import { heightOf, paintDivider, paintTitles, renderPanes, wholeOf, widthOf, type Pane } from './panes';
 import { Resolution } from './resolution';
+import { Stage, type Grid } from './stage';
 import { CUBE_SIDES, type CubeSide } from './standardViews';
 import { takeContext } from './webgl';
 
@@ -45,15 +46,6 @@ export interface RendererEvents {
 /** Width and height of the view cube with its margins [px]. */
 const CORNER = 104;
 
-/** Labels of a frame, and what other elements cover: widths at its left and right, and further areas [px]. */
-export interface Overlay {
-  labels: Label[];
-  /** Axes that are drawn as vectors, in pictures that have vectors. */
-  axes?: AxisArrow[];
-  covered: { left: number; right: number };
-  occupied?: Box[];
-}
-
 /** What differs between the scenes of the views. */
 export interface SceneOptions {
   camera: Camera;
@@ -61,8 +53,9 @@ export interface SceneOptions {
   description: string;
   /** Length of a unit of the scene [mm]. */
   unit_mm: number;
-  /** Distance of the lines of the ground grid, and the radius in which they fade. */
-  grid: { step: number; radius: number };
+  /** Length up to which parts occlude each other [units of the scene]. */
+  occlusion: number;
+  grid: Grid;
 }
 
 /** A picture of a view for export. */
@@ -78,25 +71,18 @@ export interface Picture {
   note: string;
 }
 
-/** Direction to the key light. */
-const KEY_LIGHT = new Vector3(0.31, -0.424, 0.851);
-/** Intensities of the key light and of the environment. */
-const INTENSITY = { key: 1.9, environment: 0.62 } as const;
-/** Pixels of the shadow map along an edge, and the radius over which shadows are soft [pixels of the map]. */
-const SHADOW = { pixels: 1024, radius: 2.4 } as const;
 /** Area of a drag handle that labels leave free [px]. */
 const GRIP = { width: 26, height: 64 } as const;
 /** Largest number of pixels of a still picture, which takes the processor about a second. */
 const STILL_PIXELS = 9e6;
-/** Time without changes before the still picture [ms]. */
-const STILL_AFTER_MS = 220;
+/** Time without changes before the still picture [ms]: longer where moving pictures are slow, so that none is rendered between two of them. */
+const STILL_AFTER = { least: 220, most: 660, intervals: 3 } as const;
 
 /** Pointer movement up to which a click is a click and not a drag [px]. */
 export const CLICK_DISTANCE = 4;
 
 export abstract class SceneRenderer {
   protected readonly renderer: WebGLRenderer;
-  protected readonly scene = new Scene();
   protected readonly controls: OrbitControls;
   protected readonly labelCanvas = document.createElement('canvas');
   protected camera: Camera;
@@ -105,10 +91,11 @@ export abstract class SceneRenderer {
   readonly #host: HTMLElement;
   readonly #events: RendererEvents;
   readonly #options: SceneOptions;
-  readonly #keyLight = new DirectionalLight(0xffffff);
-  readonly #environment = environmentLight();
-  readonly #ground: Ground;
+  protected readonly stage: Stage;
   readonly #resolution: Resolution;
+  readonly #occlusion: Occlusion;
+  /** Whether moving pictures have occlusion: with a graphics card, as long as it reaches the full resolution. */
+  #occludesMoving: boolean;
   /** Whether the processor renders the pictures. */
   readonly #software: boolean;
   readonly #observer: ResizeObserver;
@@ -117,8 +104,8 @@ export abstract class SceneRenderer {
   #pointerDown = new Vector2();
   #frame = 0;
   #still: ReturnType<typeof setTimeout> | undefined;
-  #shadowsOutdated = true;
   #lastFrame = 0;
+  #stillAfter: number = STILL_AFTER.least;
 
   constructor(host: HTMLElement, options: SceneOptions, events: RendererEvents) {
     this.#host = host;
@@ -144,12 +131,9 @@ export abstract class SceneRenderer {
     canvas.setAttribute('aria-label', options.description);
     this.labelCanvas.className = 'labels';
     host.append(canvas, this.labelCanvas);
-    const light = this.#keyLight;
-    light.castShadow = true;
-    light.shadow.mapSize.set(SHADOW.pixels, SHADOW.pixels);
-    light.shadow.radius = SHADOW.radius;
-    this.#ground = new Ground(options.grid.step, options.grid.radius);
-    this.scene.add(light, light.target, this.#environment, this.#ground.mesh);
+    this.stage = new Stage(options.grid);
+    this.#occlusion = new Occlusion(options.occlusion);
+    this.#occludesMoving = !this.#software;
     this.controls = new OrbitControls(options.camera, canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
@@ -166,12 +150,16 @@ export abstract class SceneRenderer {
     this.#observer.disconnect();
     cancelAnimationFrame(this.#frame);
     clearTimeout(this.#still);
-    this.#ground.dispose();
-    this.#keyLight.dispose();
+    this.stage.dispose();
+    this.#occlusion.dispose();
     this.setHandles(null);
     this.controls.dispose();
     this.renderer.dispose();
     this.#host.replaceChildren();
+  }
+
+  protected get scene(): Scene {
+    return this.stage.scene;
   }
 
   /** Size of the view [px]. */
@@ -187,6 +175,19 @@ export abstract class SceneRenderer {
   protected abstract resized(): void;
   /** Updates the scene before a frame; `null` while there is nothing to render. */
   protected abstract update(): Overlay | null;
+  /** Places of the panes in the view [px]; that of `stage` is the first one. */
+  protected get paneBoxes(): Box[] {
+    return [wholeOf(this.size)];
+  }
+  /** Pictures of the panes of a frame; `overlay` is that of `stage`. */
+  protected panes(overlay: Overlay): Pane[] {
+    return [{ stage: this.stage, box: wholeOf(this.size), overlay }];
+  }
+  /** Size of each pane [px]. */
+  protected get paneSize(): { width: number; height: number } {
+    const [box] = this.paneBoxes as [Box];
+    return { width: widthOf(box), height: heightOf(box) };
+  }
   /** Called after each frame. */
   onFrame: (() => void) | null = null;
   /** Called before the view is removed. */
@@ -200,23 +201,20 @@ export abstract class SceneRenderer {
 
   /** Requests a frame after parts have moved. */
   protected partsMoved(): void {
-    this.#shadowsOutdated = true;
+    this.stage.partsMoved();
+    this.invalidate();
+  }
+
+  /** Requests a frame after parts were cut, or are hidden or transparent now. */
+  protected surfacesChanged(): void {
+    this.stage.surfacesChanged();
     this.invalidate();
   }
 
   /** Places ground and key light for a scene within a box. */
   protected placeGround(box: Box3, floor: number): void {
-    this.#ground.place(box, floor);
-    const center = box.getCenter(new Vector3());
-    const reach = 0.5 * box.getSize(new Vector3()).length();
-    const light = this.#keyLight;
-    light.target.position.copy(center);
-    light.position.copy(center).addScaledVector(KEY_LIGHT, 2 * reach);
-    Object.assign(light.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.8 * reach, far: 3.2 * reach });
-    light.shadow.camera.updateProjectionMatrix();
-    // A part does not cast a shadow on itself within one pixel of the map.
-    light.shadow.normalBias = (3 * reach) / SHADOW.pixels;
-    this.partsMoved();
+    this.stage.place(box, floor);
+    this.invalidate();
   }
 
   /** Takes over the size of the host element; to be called at the end of the constructor of a subclass. */
@@ -264,10 +262,13 @@ export abstract class SceneRenderer {
     this.#frame = 0;
     clearTimeout(this.#still);
     const start = performance.now();
-    this.#resolution.observe(start - this.#lastFrame);
+    const interval = start - this.#lastFrame;
+    if (this.#resolution.observe(interval)) this.#occludesMoving = false;
+    // Longer intervals are pauses between movements.
+    this.#stillAfter = interval > STILL_AFTER.most ? STILL_AFTER.least : Math.min(Math.max(STILL_AFTER.intervals * interval, STILL_AFTER.least), STILL_AFTER.most);
     this.#lastFrame = start;
     this.#useRatio(this.#resolution.moving);
-    if (!this.#draw()) return;
+    if (!this.#draw(this.#occludesMoving)) return;
     this.#scheduleStill();
     this.onFrame?.();
     this.#events.rendered(performance.now() - start);
@@ -302,7 +303,7 @@ export abstract class SceneRenderer {
       this.renderer.setPixelRatio(1);
       this.renderer.setSize(width * factor, height * factor, false);
       this.resized();
-      const overlay = this.#renderScene();
+      const panes = this.#renderScene(true) ?? [];
       if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
       context.setTransform(1, 0, 0, 1, 0, 0);
       context.clearRect(0, 0, width, height);
@@ -314,8 +315,13 @@ export abstract class SceneRenderer {
       context.drawImage(this.renderer.domElement, 0, 0, width, height);
       context.setTransform(scale, 0, 0, scale, 0, 0);
       const texts = vectors ?? context;
-      if (overlay?.axes) paintAxes(texts, overlay.axes, this.camera, this.size);
-      if (labels && overlay) paintLabels(texts, overlay.labels, this.camera, this.size, { left: 8, right: 8 }, [], { text: ink, halo: background });
+      const inks = { text: ink, halo: background };
+      paintDivider(texts, panes, ink);
+      for (const { overlay, box } of panes) {
+        if (overlay.axes) paintAxes(texts, overlay.axes, this.camera, this.size);
+        if (labels) paintLabels(texts, overlay.labels, this.camera, box, { left: 8, right: 8 }, [], inks);
+      }
+      paintTitles(texts, panes, inks);
       texts.textBaseline = 'alphabetic';
       texts.font = '600 14px system-ui, sans-serif';
       texts.fillStyle = ink;
@@ -327,7 +333,7 @@ export abstract class SceneRenderer {
       this.renderer.setPixelRatio(this.#resolution.moving);
       this.renderer.setSize(this.size.width, this.size.height);
       this.resized();
-      if (this.#draw()) this.#scheduleStill();
+      if (this.#draw(this.#occludesMoving)) this.#scheduleStill();
     }
   }
 
@@ -337,40 +343,38 @@ export abstract class SceneRenderer {
 
   #scheduleStill(): void {
     clearTimeout(this.#still);
-    if (this.#resolution.still > this.#resolution.moving) this.#still = setTimeout(() => this.#drawStill(), STILL_AFTER_MS);
+    if (this.#resolution.still > this.#resolution.moving || !this.#occludesMoving) this.#still = setTimeout(() => this.#drawStill(), this.#stillAfter);
   }
 
   #drawStill(): void {
     const { width, height } = this.size;
     const largest = Math.sqrt(STILL_PIXELS / (width * height));
     this.#useRatio(Math.max(Math.min(this.#resolution.still, largest), this.#resolution.moving));
-    this.#draw();
+    this.#draw(true);
   }
 
-  /** Renders the scene; returns its labels, and `null` without a scene. */
-  #renderScene(): Overlay | null {
+  /** Renders the panes, with a new occlusion where `occludes`; returns them, and `null` without a scene. */
+  #renderScene(occludes: boolean): Pane[] | null {
     const overlay = this.update();
     if (!overlay) return null;
-    if (this.#shadowsOutdated) {
-      this.#shadowsOutdated = false;
-      this.renderer.shadowMap.needsUpdate = true;
-      this.#ground.cast(this.renderer, this.scene);
-    }
-    this.renderer.render(this.scene, this.camera);
-    return overlay;
+    const panes = this.panes(overlay);
+    renderPanes(this.renderer, panes, this.camera, this.size, { occlusion: this.#occlusion, computes: occludes });
+    return panes;
   }
 
-  /** Renders the scene and its labels; returns whether there is a scene. */
-  #draw(): boolean {
-    const overlay = this.#renderScene();
-    if (!overlay) return false;
+  /** Renders the panes and their labels; returns whether there is a scene. */
+  #draw(occludes: boolean): boolean {
+    const panes = this.#renderScene(occludes);
+    if (!panes) return false;
     const context = this.labelCanvas.getContext('2d');
     if (context) {
       const ratio = this.labelCanvas.width / this.size.width;
       const { ink, background } = SCENE[this.theme];
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, this.size.width, this.size.height);
-      paintLabels(context, overlay.labels, this.camera, this.size, overlay.covered, [...this.#gripBoxes(), ...(overlay.occupied ?? [])], { text: ink, halo: background });
+      paintDivider(context, panes, ink);
+      for (const { overlay, box } of panes)
+        paintLabels(context, overlay.labels, this.camera, box, overlay.covered, [...this.#gripBoxes(), ...(overlay.occupied ?? [])], { text: ink, halo: background });
     }
     return true;
   }
@@ -391,11 +395,9 @@ export abstract class SceneRenderer {
 
   setTheme(theme: Theme): void {
     this.theme = theme;
-    const colours = SCENE[theme];
-    this.#keyLight.intensity = INTENSITY.key * colours.light;
-    this.#environment.intensity = INTENSITY.environment * colours.light;
-    this.#handles?.paint(colours.handle, colours.handleActive);
-    this.#ground.paint(colours.grid, colours.shadow);
+    const { handle, handleActive } = SCENE[theme];
+    this.#handles?.paint(handle, handleActive);
+    this.stage.paint(theme);
     this.invalidate();
   }
 
@@ -469,12 +471,20 @@ export abstract class SceneRenderer {
     return moved >= CLICK_DISTANCE || Boolean(this.#handles?.pick(this.ray(event)));
   }
 
-  /** The ray through the pointer. */
-  protected ray(event: MouseEvent): Raycaster {
-    const box = this.canvas.getBoundingClientRect();
-    const pointer = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+  /** Index of the pane under the pointer. */
+  protected paneUnder(event: MouseEvent): number {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    const [x, y] = [event.clientX - left, event.clientY - top];
+    return Math.max(this.paneBoxes.findIndex((box) => x >= box.left && x < box.right && y >= box.top && y < box.bottom), 0);
+  }
+
+  /** The ray through the pointer in a pane. */
+  protected ray(event: MouseEvent, pane = this.paneUnder(event)): Raycaster {
+    const view = this.canvas.getBoundingClientRect();
+    const box = this.paneBoxes[pane] as Box;
+    const [x, y] = [(event.clientX - view.left - box.left) / widthOf(box), (event.clientY - view.top - box.top) / heightOf(box)];
     const ray = new Raycaster();
-    ray.setFromCamera(pointer, this.camera);
+    ray.setFromCamera(new Vector2(2 * x - 1, 1 - 2 * y), this.camera);
     return ray;
   }
 }

@@ -35,6 +35,10 @@ export interface MechanismProbe {
   camera: () => { eye: number[]; target: number[] } | null;
   /** Position of a joint on the page [px]. */
   onPage: (joint: string) => { x: number; y: number } | null;
+  /** Position of a joint of the reference on the page, where it is drawn next to the mechanism [px]. */
+  referenceOnPage: (joint: string) => { x: number; y: number } | null;
+  /** The panes on the page, that of the shown mechanism first [px]. */
+  panes: () => { left: number; top: number; right: number; bottom: number }[];
   /** Position of the handle of a point on the page [px]. */
   handle: () => { x: number; y: number } | null;
 }
