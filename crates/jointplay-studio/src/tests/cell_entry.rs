@@ -127,7 +127,7 @@ fn arms_in_a_file_of_their_own_are_not_changed() {
     let folder = tempfile::tempdir().unwrap();
     let robot = jointplay::format::catalogue::find("radial-arm").unwrap().text;
     std::fs::write(folder.path().join("arm.toml"), robot).unwrap();
-    let cell = "kind = \"cell\"\nname = \"x\"\nrobot = \"arm.toml\"\nwafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }\nbudgets = { virtual_joint_norm_um = 60, min_distance_mm = 1, slot_min_distance_mm = 1, plane_urad = 20 }\n";
+    let cell = "kind = \"cell\"\nname = \"x\"\nrobot = \"arm.toml\"\nwafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }\nbudgets = { virtual_joint_norm_um = 60, min_distance_mm = 1, slot_min_distance_mm = 1, plane_urad = 20 }\nstation = [{ name = \"P\", position_mm = [600, 0, 560], heading_deg = -90, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10 }]\n";
     let path = folder.path().join("cell.toml");
     std::fs::write(&path, cell).unwrap();
     let server = server(CellFiles::open(&path).unwrap());
