@@ -9,6 +9,7 @@ use jointplay_format::cell::{
     remove_entry,
 };
 use jointplay_format::program;
+use proptest::prelude::*;
 
 /// A cell with one arm in its own table, with comments everywhere, expressions, templates, and a frame on the arm.
 const OWN: &str = r#"# A cell of a stranger.
@@ -378,6 +379,57 @@ station = [{ name = "P", position_mm = [400, 0, 560], heading_deg = -90, stroke 
     // Comments of what is removed are removed with it.
     assert_eq!(comments(&rest), ["# The robot on one line.", "# so"]);
     read(&rest);
+}
+
+#[test]
+fn a_robot_without_arms_is_invalid_until_it_gets_one() {
+    let lists = OWN.find("# The arm turns").unwrap()..OWN.find("[wafer]").unwrap();
+    let bodies = OWN.find("[[template]]").unwrap();
+    let text = format!("{}arm = []\naxis = []\n{}", &OWN[..lists.start], &OWN[lists.end..bodies]);
+    // Values of `[robot]` are above its tables.
+    let text = text.replace("arm = []\naxis = []\n", "");
+    let text = text.replace("gpr = \"gpr\"\n", "gpr = \"gpr\"\narm = [] # none yet\naxis = []\n");
+    let text = text.replace("effectors = [\"E\"]\n", "");
+    let text = format!(
+        "{}{}",
+        &text[..text.find("# Built").unwrap()],
+        &text[text.find("[parameters]").unwrap()..]
+    );
+    let errors = cell::read(&text, &mut no_files).unwrap_err();
+    assert!(errors.to_string().contains("arms"), "{errors}");
+    let added = add(&text);
+    let cell = read(&added.text);
+    assert_eq!(names(&cell.robot), [vec!["arm-1"], vec!["T", "R"], vec!["A"]]);
+    assert_eq!(violations(&cell, "HOME\nGET P1\nPUT P1\nHOME\n"), 0);
+    assert!(added.text.contains("# none yet"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn mutated_cells_are_changed_or_refused_without_panic(at in 0..OWN.len(), length in 0..60_usize, put in "[-0-9a-z_.=\"\\[\\]{}#,\n ]{0,6}") {
+        let start = OWN.floor_char_boundary(at);
+        let end = OWN.floor_char_boundary((start + length).min(OWN.len()));
+        let text = format!("{}{put}{}", &OWN[..start], &OWN[end..]);
+        let files = &mut no_files;
+        if let Ok(cell) = cell::read(&text, files) {
+            // A valid cell with one arm gets another one, and loses it without a trace.
+            let added = add_entry(&text, &NewEntry::Arm, files).unwrap();
+            prop_assert_eq!(cell::read(&added.text, files).unwrap().robot.arms.len(), cell.robot.arms.len() + 1);
+            prop_assert_eq!(&remove_entry(&added.text, EntryList::Arm, &added.name).unwrap(), &text);
+            let name = &cell.robot.arms[0].name;
+            let two = duplicate_entry(&text, EntryList::Arm, name, files).unwrap();
+            prop_assert_eq!(cell::read(&two.text, files).unwrap().robot.arms.len(), 2);
+            prop_assert_eq!(&remove_entry(&two.text, EntryList::Arm, &two.name).unwrap(), &text);
+        } else {
+            let _ = add_entry(&text, &NewEntry::Arm, files);
+            for (list, name) in [(EntryList::Arm, "arm"), (EntryList::Effector, "E"), (EntryList::Station, "P1")] {
+                let _ = duplicate_entry(&text, list, name, files);
+                let _ = remove_entry(&text, list, name);
+            }
+        }
+    }
 }
 
 #[test]

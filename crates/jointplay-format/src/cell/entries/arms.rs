@@ -52,7 +52,11 @@ pub(super) fn add(
     if let Some(why) = no_more_arms(arms) {
         return Err(Fault::Unfit(why));
     }
-    let mount = Heights::of(text, files).map_or(UNKNOWN_MOUNT_MM, |it| it.mount_mm(BELOW_MOUNT));
+    let mount = match arms {
+        // Directly on the platform, as in the catalogue.
+        0 => None,
+        _ => Some(Heights::of(text, files).map_or(UNKNOWN_MOUNT_MM, |it| it.mount_mm(BELOW_MOUNT))),
+    };
     let mut names = Names::of(document);
     let new = names.take("arm-1");
     // The files of the catalogue are valid, as a test checks.
@@ -78,7 +82,7 @@ pub(super) fn add(
     arm.decor_mut().set_prefix(
         "\n# Lengths, droop, axis limits and bodies are assumed: change them to those of the real arm.\n",
     );
-    if let Some(height) = mount_height(&mut arm) {
+    if let (Some(height), Some(mount)) = (mount_height(&mut arm), mount) {
         *height = Value::from(mount);
         height.decor_mut().set_prefix(" ");
     }
