@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 mod arm_postures;
+mod arms;
 mod catalogue_robots;
 mod cell;
 mod cell_parts;

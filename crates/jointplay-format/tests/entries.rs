@@ -6,19 +6,24 @@ use jointplay_format::cell::{
 };
 use nalgebra::Vector3;
 
+fn no_files(_: &str) -> Result<Vec<u8>, String> {
+    Err("no files".to_owned())
+}
+
 fn comments(text: &str) -> Vec<&str> {
     text.lines().filter(|line| line.trim_start().starts_with('#')).collect()
 }
 
 #[track_caller]
 fn cell(text: &str) -> jointplay_cell::workcell::Cell {
-    read(text, &mut |_| Err("no files".to_owned())).unwrap_or_else(|errors| panic!("{errors}"))
+    read(text, &mut no_files).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
 #[test]
 fn a_duplicated_station_has_its_bodies_and_follows_the_original() {
     let before = cell(EXAMPLE);
-    let EntryAdded { text, name } = duplicate_entry(EXAMPLE, EntryList::Station, "LP1").unwrap();
+    let EntryAdded { text, name } =
+        duplicate_entry(EXAMPLE, EntryList::Station, "LP1", &mut no_files).unwrap();
     assert_eq!(name, "LP3");
     let after = cell(&text);
     let stations: Vec<&str> = after.stations.iter().map(|it| it.name.as_str()).collect();
@@ -57,7 +62,7 @@ fn a_new_entry_is_valid_and_removed_without_a_trace() {
         (NewEntry::Body { position }, EntryList::Body, "body-1"),
     ];
     for (entry, list, expected) in entries {
-        let EntryAdded { text, name } = add_entry(EXAMPLE, &entry).unwrap();
+        let EntryAdded { text, name } = add_entry(EXAMPLE, &entry, &mut no_files).unwrap();
         assert_eq!(name, expected);
         let after = cell(&text);
         match entry {
@@ -71,8 +76,9 @@ fn a_new_entry_is_valid_and_removed_without_a_trace() {
                 }
             }
             NewEntry::Body { .. } => assert!(after.bodies.iter().any(|it| it.name == name)),
+            NewEntry::Arm => unreachable!("arms have tests of their own"),
         }
-        let again = add_entry(&text, &entry).unwrap();
+        let again = add_entry(&text, &entry, &mut no_files).unwrap();
         assert_ne!(again.name, name);
         assert_eq!(remove_entry(&text, list, &name).unwrap(), EXAMPLE);
     }
@@ -81,12 +87,12 @@ fn a_new_entry_is_valid_and_removed_without_a_trace() {
 #[test]
 fn tables_within_tables_and_inline_lists_are_duplicated_too() {
     let nested = "[[station]]\nname = \"A\"\n[station.stroke]\nbelow_mm = 1 # low\n[[station]]\nname = \"B\"\n";
-    let found = duplicate_entry(nested, EntryList::Station, "A").unwrap();
+    let found = duplicate_entry(nested, EntryList::Station, "A", &mut no_files).unwrap();
     assert_eq!(found.name, "A2");
     let expected = "[[station]]\nname = \"A\"\n[station.stroke]\nbelow_mm = 1 # low\n\n[[station]]\nname = \"A2\"\n[station.stroke]\nbelow_mm = 1 # low\n[[station]]\nname = \"B\"\n";
     assert_eq!(found.text, expected);
     let inline = "station = [{ name = \"A\" }, { name = \"B\" }]\n";
-    let found = duplicate_entry(inline, EntryList::Station, "A").unwrap();
+    let found = duplicate_entry(inline, EntryList::Station, "A", &mut no_files).unwrap();
     assert_eq!(found.text.matches("name").count(), 3);
     let removed = remove_entry(inline, EntryList::Station, "B").unwrap();
     assert!(removed.contains("\"A\"") && !removed.contains("\"B\""));
@@ -100,7 +106,7 @@ fn what_cannot_be_changed_is_refused_with_the_reason() {
     assert!(message(remove_entry(like, EntryList::Station, "C")).contains("\"C\""));
     assert!(message(remove_entry(EXAMPLE, EntryList::Body, "wal")).contains("wall"));
     assert_eq!(remove_entry("= 1", EntryList::Body, "a").unwrap_err().place.line, 1);
-    let added =
-        add_entry("station = 3\n", &NewEntry::Station { position: Vector3::zeros(), heading: 0.0 });
+    let station = NewEntry::Station { position: Vector3::zeros(), heading: 0.0 };
+    let added = add_entry("station = 3\n", &station, &mut no_files);
     assert!(added.unwrap_err().to_string().contains("not a list"));
 }

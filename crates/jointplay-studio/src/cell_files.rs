@@ -97,12 +97,15 @@ impl CellFiles {
 
     /// Parses the text of a cell file; files that it names are looked up in the folder of this cell file.
     pub(crate) fn parse(&self, text: &str) -> Result<Cell, cell::Errors> {
+        cell::read(text, &mut |name| self.named(name))
+    }
+
+    /// The bytes of a file that a cell names, in the folder of this cell file.
+    pub(crate) fn named(&self, name: &str) -> Result<Vec<u8>, String> {
         let folder = self.path.as_deref().and_then(Path::parent);
-        cell::read(text, &mut |name| {
-            let folder = folder.ok_or("the built-in example has no folder to read files from")?;
-            let allowed = cell::MAX_MESH_BYTES as u64;
-            jointplay_files::read(folder, name, allowed).map_err(|why| why.to_string())
-        })
+        let folder = folder.ok_or("the built-in example has no folder to read files from")?;
+        let allowed = cell::MAX_MESH_BYTES as u64;
+        jointplay_files::read(folder, name, allowed).map_err(|why| why.to_string())
     }
 
     /// Writes both files completely, or neither.

@@ -280,10 +280,10 @@ export async function setStation(text: string, station: string, change: StationC
   return json(request('cell/station', { cell: text, station, ...change }, signal));
 }
 
-/** A change of the stations and bodies of a cell. */
+/** A change of the stations, bodies, arms and effectors of a cell. */
 export type EntryChange = Omit<Schemas['EntryRequest'], 'cell' | 'heading_rad'> & { heading_rad?: number };
 
-/** The text of the cell file with an added, duplicated or removed station or body; comments are preserved. */
+/** The text of the cell file with an added, duplicated or removed entry; comments are preserved. */
 export async function changeEntry(text: string, change: EntryChange, signal: AbortSignal): Promise<Schemas['EntryDocument']> {
   return json(request('cell/entry', { cell: text, ...change }, signal));
 }

@@ -74,7 +74,7 @@ export class WorkcellSession {
   planned = $state.raw<{ texts: Texts; key: string } | null>(null);
   /** Whether the last requested plan has arrived. */
   #upToDate = $state(false);
-  /** Pending changes of stations and bodies. */
+  /** Pending changes of entries of the cell file. */
   readonly #changes = new TextChanges();
   /** Whether a number is being typed and not yet committed. */
   typing = $state(false);
@@ -368,7 +368,7 @@ export class WorkcellSession {
     return this.#changes.add((signal) => this.#change(station, change, taken, signal));
   }
 
-  /** Adds, duplicates or removes a station or a body, and selects the new one. */
+  /** Adds, duplicates or removes an entry of the cell file, and selects the new one. */
   changeEntry(change: api.EntryChange): Promise<void> {
     this.#completeEdit();
     return this.#changes.add(async (signal) => {

@@ -13,6 +13,9 @@ pub const MAX_JOINTS: usize = 4;
 /// Largest number of arms.
 pub const MAX_ARMS: usize = 2;
 
+/// Largest number of effectors of an arm.
+pub const MAX_EFFECTORS: usize = 4;
+
 /// Largest number of axes: rods, and a motor for each joint.
 pub const MAX_AXES: usize = RODS + MAX_ARMS * MAX_JOINTS;
 

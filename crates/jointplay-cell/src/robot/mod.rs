@@ -35,7 +35,7 @@ pub(crate) use arm_chain::ArmChain;
 pub use forward::{ChainPose, EffectorDisplacement};
 pub use hybrid_robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits, MAX_ARMS,
-    MAX_AXES, MAX_JOINTS, RODS,
+    MAX_AXES, MAX_EFFECTORS, MAX_JOINTS, RODS,
 };
 pub use inverse::PosturePath;
 pub use inverse::{

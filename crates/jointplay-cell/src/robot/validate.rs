@@ -7,14 +7,11 @@ use nalgebra::Vector2;
 use super::arm_chain::ArmChain;
 use super::hybrid_robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, MAX_ARMS, MAX_AXES,
-    MAX_JOINTS, RODS,
+    MAX_EFFECTORS, MAX_JOINTS, RODS,
 };
 use crate::CellError;
 use crate::conditions::{count, finite, in_range, positive, unique};
 use crate::wafer::Droop;
-
-/// Largest number of effectors of an arm.
-const MAX_EFFECTORS: usize = 4;
 
 /// Largest range of a rotary axis: ten revolutions (rad).
 const MAX_ROTATION: f64 = 10.0 * std::f64::consts::TAU;

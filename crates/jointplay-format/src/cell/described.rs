@@ -136,9 +136,14 @@ fn has_plane(table: &dyn TableLike) -> bool {
     taught.is_some_and(|taught| taught.contains_key("points_mm"))
 }
 
-/// The tables of a list.
+/// The tables of a list of the document.
 pub(super) fn all<'d>(document: &'d DocumentMut, key: &str) -> Vec<&'d dyn TableLike> {
-    match document.get(key) {
+    tables_of(document.as_table(), key)
+}
+
+/// The tables of a list within a table.
+pub(super) fn tables_of<'d>(parent: &'d dyn TableLike, key: &str) -> Vec<&'d dyn TableLike> {
+    match parent.get(key) {
         Some(Item::ArrayOfTables(list)) => list.iter().map(|it| it as &dyn TableLike).collect(),
         Some(Item::Value(Value::Array(list))) => {
             list.iter().filter_map(Value::as_inline_table).map(|it| it as &dyn TableLike).collect()

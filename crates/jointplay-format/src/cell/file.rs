@@ -254,7 +254,28 @@ fn lines(top: &Table, key: &'static str) -> Vec<String> {
     list.into_iter().filter_map(|line| line.line(top.reader)).map(str::to_owned).collect()
 }
 
-fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<HybridRobot> {
+/// The robot of a cell file that may have errors elsewhere; `None` where it cannot be read itself.
+pub(super) fn robot_of(text: &str, files: &mut Files) -> Option<HybridRobot> {
+    let reader = Reader::new(text);
+    if !reader.has_at_most(MAX_BYTES) {
+        return None;
+    }
+    let document = reader.parse();
+    let top = Table::new(&reader, "a cell", document.get_ref(), 0..0);
+    let Parameters { scope, .. } = parameters::resolve(&top, &[], AngleUnit::Degree);
+    reader.set_scope(0, scope);
+    read_robot(&top.entry("robot")?, &reader, files)
+}
+
+/// A robot by name or as a table.
+fn read_robot<'r, 'a>(
+    named: &Entry<'r, 'a>,
+    reader: &'r Reader<'a>,
+    files: &mut Files,
+) -> Option<HybridRobot> {
+    if named.value.get_ref().is_table() {
+        return robot::from_table(&named.table(reader, "the robot")?);
+    }
     let name = named.line(reader)?;
     let cannot = |why: String| {
         named.report(reader, Fault::File { name: name.to_owned(), why });

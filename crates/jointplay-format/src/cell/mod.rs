@@ -26,7 +26,9 @@ mod tree;
 mod unique;
 
 pub use edit::{Change, TaughtNoise, note_station, set_station};
-pub use entries::{EntryAdded, EntryList, NewEntry, add_entry, duplicate_entry, remove_entry};
+pub use entries::{
+    ArmEdits, EntryAdded, EntryList, NewEntry, add_entry, duplicate_entry, remove_entry,
+};
 pub use expansion::{Part, PartParameter, parts};
 pub use file::{MAX_BYTES, expand, parameter_names, read, read_with};
 pub use files::Files;

@@ -79,7 +79,7 @@ fn document(plan: &Plan) -> PlanDocument {
         windows: plan.timeline.iter().flat_map(|all| &all.windows).map(window).collect(),
         scene: plan.scene.as_ref().map(|scene| scene.key.clone()),
         stations: cell.map(stations).unwrap_or_default(),
-        robot: cell.map(RobotParts::new),
+        robot: cell.map(|cell| RobotParts::new(cell, plan.texts().0)),
         play_budget_m: cell.map(|cell| cell.play_budget),
         chain: cell.map(ChainDocument::new),
         wafers: cell.map(wafers).unwrap_or_default(),

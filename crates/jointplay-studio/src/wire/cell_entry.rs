@@ -1,4 +1,4 @@
-//! Documents of requests to add, duplicate and remove stations and bodies of a cell file.
+//! Documents of requests to add, duplicate and remove entries of a cell file.
 
 use jointplay::format::cell::{EntryList, NewEntry};
 use jointplay::nalgebra::Vector3;
@@ -22,7 +22,7 @@ pub(crate) struct EntryRequest {
     /// Name of the duplicated or removed entry.
     #[serde(default)]
     pub(crate) name: Option<String>,
-    /// Position of an added entry in the base frame, of a station at least 0.3 m from the robot's axis (m); default: the origin.
+    /// Position of an added station or body in the base frame, of a station at least 0.3 m from the robot's axis (m); default: the origin. An arm is mounted above the others.
     #[serde(default)]
     pub(crate) position_m: Option<Triple>,
     /// Heading of an added station (rad).
@@ -35,11 +35,11 @@ pub(crate) struct EntryRequest {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum EntryAction {
-    /// An entry with assumed dimensions is added.
+    /// An entry with assumed dimensions is added; not an effector, which is duplicated.
     Add,
-    /// An entry is duplicated; with a station, the bodies attached to it.
+    /// An entry is duplicated, with everything attached to it.
     Duplicate,
-    /// An entry is removed; with a station, the bodies attached to it.
+    /// An entry is removed, with everything attached to it.
     Remove,
 }
 
@@ -51,6 +51,10 @@ pub(crate) enum EntryListName {
     Station,
     /// Bodies.
     Body,
+    /// Arms of the robot.
+    Arm,
+    /// Effectors of all arms.
+    Effector,
 }
 
 /// Text of a cell file with changed entries.
@@ -68,6 +72,8 @@ impl EntryRequest {
         match self.list {
             EntryListName::Station => EntryList::Station,
             EntryListName::Body => EntryList::Body,
+            EntryListName::Arm => EntryList::Arm,
+            EntryListName::Effector => EntryList::Effector,
         }
     }
 
@@ -87,6 +93,11 @@ impl EntryRequest {
         Ok(match self.list {
             EntryListName::Station => NewEntry::Station { position, heading },
             EntryListName::Body => NewEntry::Body { position },
+            EntryListName::Arm => NewEntry::Arm,
+            EntryListName::Effector => {
+                let why = "an effector is not added but duplicated: use the action `duplicate` with the name of another one";
+                return Err(Problem::field("list", why));
+            }
         })
     }
 }

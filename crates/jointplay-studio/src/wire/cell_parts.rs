@@ -5,6 +5,7 @@ use jointplay::cell::geometry::Shape;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station};
 use jointplay::cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
+use jointplay::format::cell::ArmEdits;
 use jointplay::interop::export::wafers_at_start;
 use jointplay::nalgebra::Vector3;
 use jointplay::report::{self, StationReport};
@@ -28,6 +29,12 @@ pub(crate) struct RobotParts {
     pub(crate) axes: Vec<AxisDocument>,
     /// Its arms.
     pub(crate) arms: Vec<ArmParts>,
+    /// Reason why no arm can be added or duplicated in the text of the cell; `null` if one can.
+    #[schema(required = true)]
+    pub(crate) add_refusal: Option<String>,
+    /// Reason why no arm can be removed; `null` if one can.
+    #[schema(required = true)]
+    pub(crate) remove_refusal: Option<String>,
     /// Available virtualizations of its platform.
     pub(crate) virtualizations: Vec<VirtualizationDocument>,
 }
@@ -41,6 +48,12 @@ pub(crate) struct ArmParts {
     pub(crate) links: Vec<String>,
     /// Its effectors.
     pub(crate) effectors: Vec<String>,
+    /// Reason why no effector can be duplicated in the text of the cell; `null` if one can.
+    #[schema(required = true)]
+    pub(crate) add_refusal: Option<String>,
+    /// Reason why no effector can be removed; `null` if one can.
+    #[schema(required = true)]
+    pub(crate) remove_refusal: Option<String>,
 }
 
 /// A station with its degrees of freedom for dragging.
@@ -186,19 +199,25 @@ impl From<&Shape> for ShapeDocument {
 }
 
 impl RobotParts {
-    pub(crate) fn new(cell: &Cell) -> Self {
+    /// The robot of a cell and of its text.
+    pub(crate) fn new(cell: &Cell, text: &str) -> Self {
         let robot = &cell.robot;
+        let edits = ArmEdits::new(text, robot);
         let home: Vec<f64> = robot.axes.iter().map(|axis| axis.home).collect();
         let arms = robot.arms.iter().enumerate().map(|(k, arm)| ArmParts {
             name: arm.name.clone(),
             links: (0..arm.joints.len()).map(|link| link_name(cell, k, link)).collect(),
             effectors: arm.effectors.iter().map(|effector| effector.name.clone()).collect(),
+            add_refusal: edits.add_effector[k].clone(),
+            remove_refusal: edits.remove_effector[k].clone(),
         });
         Self {
             name: robot.name.clone(),
             tilt_max_rad: robot.gpr.limits().tilt_max,
             axes: axes(cell, &home),
             arms: arms.collect(),
+            add_refusal: edits.add_arm.clone(),
+            remove_refusal: edits.remove_arm.clone(),
             virtualizations: virtualizations(&robot.gpr),
         }
     }

@@ -17,5 +17,7 @@ mod words;
 
 pub use base::virtualization_name;
 pub use included::names;
+pub(super) use read::from_table;
 pub use read::parse;
 pub use words::KIND;
+pub(super) use words::ROD_NAMES;

@@ -24,20 +24,29 @@ pub fn parse(text: &str) -> Result<HybridRobot, Errors> {
     }
     let file = reader.parse();
     let table = Table::new(&reader, "the robot", file.get_ref(), 0..0);
-    let robot = read(&table);
-    table.finish();
-    // Contradictions are reported only for a file without other errors.
-    if reader.is_clean()
-        && let Some(Err((part, error))) = robot.as_ref().map(HybridRobot::check)
-    {
-        reader.report(place(&table, part), Fault::Unfit(explain_cell(&error)));
-    }
+    let _ = table.needed("kind");
+    let robot = from_table(&table);
     reader.done(robot)
+}
+
+/// Reads a robot from a table, of a file of its own or of a cell file, with its contradictions checked.
+pub(in super::super) fn from_table(table: &Table) -> Option<HybridRobot> {
+    let robot = read(table);
+    table.finish();
+    let robot = robot?;
+    if let Err((part, error)) = robot.check() {
+        table.reader.report(place(table, part), Fault::Unfit(explain_cell(&error)));
+        return None;
+    }
+    Some(robot)
 }
 
 fn read(table: &Table) -> Option<HybridRobot> {
     let reader = table.reader;
-    let kind = table.needed("kind").and_then(|kind| kind.word(reader, "kind", &[(KIND, ())]));
+    let kind = match table.entry("kind") {
+        Some(kind) => kind.word(reader, "kind", &[(KIND, ())]),
+        None => Some(()),
+    };
     let name = table.needed("name").and_then(|name| name.line(reader)).map(str::to_owned);
     let gpr = table.needed("gpr").and_then(|entry| three_rods(reader, entry));
     let model = platform(table);

@@ -6,7 +6,7 @@ use jointplay_cell::robot::{AxisKind, RODS};
 pub const KIND: &str = "hybrid";
 
 /// Names of the rods as axes.
-pub(super) const ROD_NAMES: [&str; RODS] = ["q1", "q2", "q3"];
+pub(in super::super) const ROD_NAMES: [&str; RODS] = ["q1", "q2", "q3"];
 
 /// Kinds of axes.
 pub(super) const MOTIONS: [(&str, AxisKind); 2] =

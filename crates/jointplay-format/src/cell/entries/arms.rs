@@ -1,0 +1,359 @@
+//! Arms of the robot and their effectors.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+
+use super::super::described::tables_of;
+use super::super::edit::inline;
+use super::super::files::Files;
+use super::super::problem::Fault;
+use super::added::EntryAdded;
+use super::attached::{self, NewNames, Owners, names_in, rename};
+use super::mounting::Heights;
+use super::names::{Names, name};
+use super::robot_table::{
+    embedded, last_arm, last_effector, no_more_arms, no_more_effectors, raise,
+};
+use super::{contacts, lists};
+use crate::catalogue;
+use crate::file_problem::FileProblem;
+use crate::place::nearest;
+
+/// Robot of the catalogue whose arm a new arm is.
+const SOURCE: &str = "radial-arm";
+
+/// Bodies of a new arm: suffix of the name, link, centre and size (mm).
+///
+/// Each may touch the next one. They fit the links of [`SOURCE`].
+const BODIES: [(&str, i64, [f64; 3], [f64; 3]); 4] = [
+    ("upper-arm", 1, [115.0, 0.0, 0.0], [280.0, 50.0, 10.0]),
+    ("forearm", 2, [115.0, 0.0, 0.0], [270.0, 40.0, 10.0]),
+    ("wrist", 3, [45.0, 0.0, 2.0], [130.0, 40.0, 10.0]),
+    ("blade", 3, [260.0, 0.0, 8.4], [340.0, 220.0, 3.0]),
+];
+
+/// Half the height of the lowest of these bodies (m).
+const BELOW_MOUNT: f64 = 0.005;
+
+/// Height of the mount of a new arm where that of the others is unknown (mm).
+const UNKNOWN_MOUNT_MM: f64 = 250.0;
+
+/// Distance of a duplicated effector above its original: the pitch of carriers for wafers of 300 mm (mm).
+const EFFECTOR_PITCH_MM: f64 = 10.0;
+
+/// Adds an arm with one effector and bodies, mounted above the other arms.
+pub(super) fn add(
+    document: &mut DocumentMut,
+    text: &str,
+    files: &mut Files,
+) -> Result<EntryAdded, Fault> {
+    let arms = tables_of(embedded(document)?, "arm").len();
+    if let Some(why) = no_more_arms(arms) {
+        return Err(Fault::Unfit(why));
+    }
+    let mount = match arms {
+        // Directly on the platform, as in the catalogue.
+        0 => None,
+        _ => Some(Heights::of(text, files).map_or(UNKNOWN_MOUNT_MM, |it| it.mount_mm(BELOW_MOUNT))),
+    };
+    let mut names = Names::of(document);
+    let new = names.take("arm-1");
+    // The files of the catalogue are valid, as a test checks.
+    let source = catalogue::find(SOURCE).map(|entry| entry.text.parse::<DocumentMut>());
+    let Some(Ok(source)) = source else { return Err(Fault::Unfit(String::new())) };
+    let table_list = |key: &str| -> Vec<Table> {
+        let list = source.get(key).and_then(Item::as_array_of_tables);
+        list.into_iter().flat_map(|list| list.iter().cloned()).collect()
+    };
+    let mut axes = table_list("axis");
+    let mut renamed = BTreeMap::new();
+    for axis in &mut axes {
+        let old = name(axis).unwrap_or_default().to_owned();
+        let new = names.take(&old);
+        rename(axis, &new);
+        axis.decor_mut().set_prefix("\n");
+        renamed.insert(old, new);
+    }
+    let Some(mut arm) = table_list("arm").into_iter().next() else {
+        return Err(Fault::Unfit(String::new()));
+    };
+    rename_arm(&mut arm, &new, &renamed, &mut names);
+    arm.decor_mut().set_prefix(
+        "\n# Lengths, droop, axis limits and bodies are assumed: change them to those of the real arm.\n",
+    );
+    if let (Some(height), Some(mount)) = (mount_height(&mut arm), mount) {
+        *height = Value::from(mount);
+        height.decor_mut().set_prefix(" ");
+    }
+    let robot = embedded(document)?;
+    for axis in axes {
+        lists::append(robot, "axis", axis)?;
+    }
+    lists::append(robot, "arm", arm)?;
+    let mut bodies = Vec::new();
+    for (suffix, link, position, size) in BODIES {
+        let body = names.take(&format!("{new}-{suffix}"));
+        let on = [("arm", Value::from(&new)), ("link", Value::from(link))];
+        let size = Value::Array(size.into_iter().collect());
+        let position = Value::Array(position.into_iter().collect::<Array>());
+        let values = [
+            ("name", Value::from(&body)),
+            ("on", inline(on)),
+            ("position_mm", position),
+            ("box", inline([("size_mm", size)])),
+        ];
+        let mut table = Table::new();
+        table.decor_mut().set_prefix("\n");
+        for (key, value) in values {
+            table.insert(key, Item::Value(value));
+        }
+        lists::append(document.as_table_mut(), "body", table)?;
+        bodies.push(body);
+    }
+    let pairs: Vec<[String; 2]> =
+        bodies.windows(2).map(|pair| [pair[0].clone(), pair[1].clone()]).collect();
+    contacts::add(document, &pairs);
+    Ok(EntryAdded { text: document.to_string(), name: new })
+}
+
+/// Duplicates an arm with its own axes, its effectors, the bodies attached to it and their allowed contacts, mounted above the other arms.
+pub(super) fn duplicate(
+    document: &mut DocumentMut,
+    arm: &str,
+    text: &str,
+    files: &mut Files,
+) -> Result<EntryAdded, Fault> {
+    let robot = embedded(document)?;
+    let found = Found::new(robot, arm)?;
+    if let Some(why) = no_more_arms(found.arms) {
+        return Err(Fault::Unfit(why));
+    }
+    let by = Heights::of(text, files).map_or(UNKNOWN_MOUNT_MM, |it| it.raise_mm(found.index));
+    let mut names = Names::of(document);
+    let new = names.take(arm);
+    let mut renamed = BTreeMap::new();
+    for axis in &found.axes {
+        renamed.insert(axis.clone(), names.take(axis));
+    }
+    let attached = attached::attached(document, found.owners());
+    let robot = embedded(document)?;
+    let mut new_names = NewNames::from([(("arm", arm.to_owned()), new.clone())]);
+    lists::duplicate(robot, "arm", found.index, |copy| {
+        let effectors = rename_arm(copy, &new, &renamed, &mut names);
+        new_names.extend(effectors.into_iter().map(|(old, new)| (("effector", old), new)));
+        if let Some(height) = mount_height(copy) {
+            raise(height, by);
+        }
+    });
+    for (index, axis) in names_in(robot, "axis").into_iter().enumerate().rev() {
+        if let Some(new) = renamed.get(&axis) {
+            lists::duplicate(robot, "axis", index, |copy| rename(copy, new));
+        }
+    }
+    let bodies = attached::duplicate(document, &attached, (arm, &new), &mut new_names, &mut names);
+    contacts::duplicate(document, &bodies);
+    Ok(EntryAdded { text: document.to_string(), name: new })
+}
+
+/// Removes an arm with the axes that move no other, its effectors, the bodies attached to it and their allowed contacts.
+pub(super) fn remove(document: &mut DocumentMut, arm: &str) -> Result<String, Fault> {
+    let found = Found::new(embedded(document)?, arm)?;
+    if let Some(why) = last_arm(found.arms) {
+        return Err(Fault::Unfit(why));
+    }
+    let attached = attached::attached(document, found.owners());
+    let bodies: Vec<&str> = attached.iter().map(|one| one.name.as_str()).collect();
+    attached::check_not_borrowed(document, &bodies)?;
+    let mut comments = attached::remove(document, &attached);
+    let robot = embedded(document)?;
+    comments.extend(lists::remove(robot, "arm", found.index));
+    for (index, axis) in names_in(robot, "axis").into_iter().enumerate().rev() {
+        if found.axes.contains(&axis) {
+            comments.extend(lists::remove(robot, "axis", index));
+        }
+    }
+    comments.into_iter().for_each(|one| lists::place_comments(document, one));
+    contacts::remove(document, &bodies);
+    Ok(document.to_string())
+}
+
+/// Duplicates an effector with the bodies attached to it, one pitch above the original.
+pub(super) fn duplicate_effector(
+    document: &mut DocumentMut,
+    effector: &str,
+) -> Result<EntryAdded, Fault> {
+    let found = FoundEffector::new(embedded(document)?, effector)?;
+    if let Some(why) = no_more_effectors(found.effectors) {
+        return Err(Fault::Unfit(why));
+    }
+    let mut names = Names::of(document);
+    let new = names.take(effector);
+    let attached = attached::attached(document, owner(effector));
+    change_arm(embedded(document)?, found.arm, |arm| {
+        lists::duplicate(arm, "effector", found.index, |copy| {
+            rename(copy, &new);
+            if let Some(height) = height(copy, "wafer_center_mm") {
+                raise(height, EFFECTOR_PITCH_MM);
+            }
+        });
+    });
+    let mut new_names = NewNames::from([(("effector", effector.to_owned()), new.clone())]);
+    let bodies =
+        attached::duplicate(document, &attached, (effector, &new), &mut new_names, &mut names);
+    contacts::duplicate(document, &bodies);
+    Ok(EntryAdded { text: document.to_string(), name: new })
+}
+
+/// Removes an effector with the bodies attached to it and their allowed contacts.
+pub(super) fn remove_effector(document: &mut DocumentMut, effector: &str) -> Result<String, Fault> {
+    let found = FoundEffector::new(embedded(document)?, effector)?;
+    if let Some(why) = last_effector(found.effectors) {
+        return Err(Fault::Unfit(why));
+    }
+    let attached = attached::attached(document, owner(effector));
+    let bodies: Vec<&str> = attached.iter().map(|one| one.name.as_str()).collect();
+    attached::check_not_borrowed(document, &bodies)?;
+    let mut comments = attached::remove(document, &attached);
+    change_arm(embedded(document)?, found.arm, |arm| {
+        comments.extend(lists::remove(arm, "effector", found.index));
+    });
+    comments.into_iter().for_each(|one| lists::place_comments(document, one));
+    contacts::remove(document, &bodies);
+    Ok(document.to_string())
+}
+
+/// An arm of the robot's table.
+struct Found {
+    name: String,
+    index: usize,
+    /// Number of arms.
+    arms: usize,
+    /// Axes that move this arm and no other.
+    axes: BTreeSet<String>,
+    effectors: Vec<String>,
+}
+
+impl Found {
+    fn new(robot: &dyn TableLike, arm: &str) -> Result<Self, Fault> {
+        let arms = tables_of(robot, "arm");
+        let index = arms.iter().position(|one| name(*one) == Some(arm));
+        let index = index.ok_or_else(|| unknown("arm", arm, names_in(robot, "arm")))?;
+        let others = arms.iter().enumerate().filter(|(other, _)| *other != index);
+        let shared: BTreeSet<String> = others.flat_map(|(_, one)| axes_of(*one)).collect();
+        Ok(Self {
+            name: arm.to_owned(),
+            index,
+            arms: arms.len(),
+            axes: axes_of(arms[index]).filter(|axis| !shared.contains(axis)).collect(),
+            effectors: names_in(arms[index], "effector"),
+        })
+    }
+
+    fn owners(&self) -> Owners {
+        Owners::from([("arm", vec![self.name.clone()]), ("effector", self.effectors.clone())])
+    }
+}
+
+/// An effector of the robot's table.
+struct FoundEffector {
+    /// Index of its arm.
+    arm: usize,
+    index: usize,
+    /// Number of effectors of its arm.
+    effectors: usize,
+}
+
+impl FoundEffector {
+    fn new(robot: &dyn TableLike, effector: &str) -> Result<Self, Fault> {
+        let arms: Vec<Vec<String>> =
+            tables_of(robot, "arm").into_iter().map(|arm| names_in(arm, "effector")).collect();
+        let found = arms.iter().enumerate().find_map(|(arm, names)| {
+            let index = names.iter().position(|one| one == effector)?;
+            Some(Self { arm, index, effectors: names.len() })
+        });
+        found.ok_or_else(|| unknown("effector", effector, arms.concat()))
+    }
+}
+
+/// The owner of the bodies of an effector.
+fn owner(effector: &str) -> Owners {
+    Owners::from([("effector", vec![effector.to_owned()])])
+}
+
+fn unknown(what: &str, found: &str, known: Vec<String>) -> Fault {
+    let nearest = nearest(found, known.iter().map(String::as_str));
+    FileProblem::Unknown { what: what.to_owned(), found: found.to_owned(), nearest, known }.into()
+}
+
+/// Axes that drive the joints of an arm.
+fn axes_of(arm: &dyn TableLike) -> impl Iterator<Item = String> {
+    let joints = tables_of(arm, "joint").into_iter();
+    let drives = joints.filter_map(|joint| joint.get("drives")?.as_table_like());
+    drives.flat_map(|drives| drives.iter().map(|(axis, _)| axis.to_owned()).collect::<Vec<_>>())
+}
+
+/// Gives an arm, its axes and its effectors new names; returns those of the effectors.
+fn rename_arm(
+    arm: &mut dyn TableLike,
+    new: &str,
+    axes: &BTreeMap<String, String>,
+    names: &mut Names,
+) -> BTreeMap<String, String> {
+    rename(arm, new);
+    each_table(arm, "joint", &mut |joint| {
+        let Some(drives) = joint.get_mut("drives").and_then(Item::as_table_like_mut) else {
+            return;
+        };
+        let all: Vec<(String, Item)> =
+            drives.iter().map(|(axis, ratio)| (axis.to_owned(), ratio.clone())).collect();
+        all.iter().for_each(|(axis, _)| drop(drives.remove(axis)));
+        for (axis, ratio) in all {
+            drives.insert(axes.get(&axis).unwrap_or(&axis), ratio);
+        }
+    });
+    let mut effectors = BTreeMap::new();
+    each_table(arm, "effector", &mut |effector| {
+        let Some(old) = name(effector).map(str::to_owned) else { return };
+        let new = names.take(&old);
+        rename(effector, &new);
+        effectors.insert(old, new);
+    });
+    effectors
+}
+
+/// Changes each table of a list.
+fn each_table(parent: &mut dyn TableLike, key: &str, change: &mut dyn FnMut(&mut dyn TableLike)) {
+    match parent.get_mut(key) {
+        Some(Item::ArrayOfTables(list)) => list.iter_mut().for_each(|table| change(table)),
+        Some(Item::Value(Value::Array(list))) => {
+            let tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
+            tables.for_each(|table: &mut InlineTable| change(table));
+        }
+        _ => {}
+    }
+}
+
+/// Changes one arm of the robot's table.
+fn change_arm(robot: &mut dyn TableLike, index: usize, change: impl FnOnce(&mut dyn TableLike)) {
+    let mut change = Some(change);
+    let mut next = 0;
+    each_table(robot, "arm", &mut |arm| {
+        if next == index
+            && let Some(change) = change.take()
+        {
+            change(arm);
+        }
+        next += 1;
+    });
+}
+
+/// The z coordinate of an arm's mount.
+fn mount_height(arm: &mut dyn TableLike) -> Option<&mut Value> {
+    height(arm, "mount_mm")
+}
+
+/// The third coordinate of a point.
+fn height<'t>(table: &'t mut dyn TableLike, key: &str) -> Option<&'t mut Value> {
+    table.get_mut(key)?.as_array_mut()?.get_mut(2)
+}
