@@ -1,1 +1,0 @@
-export{t as GLTFLoader}from"./GLTFLoader-x9HVpCoy.js";

@@ -1,0 +1,1 @@
+export{n as mechanismSession}from"./session.svelte-CwJJoXx1.js";

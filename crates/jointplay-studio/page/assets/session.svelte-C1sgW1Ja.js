@@ -1,1 +1,0 @@
-export{i as session}from"./session.svelte-DdpVb0r2.js";
