@@ -39,7 +39,7 @@ const LARGEST_RADIUS = 0.22;
 const VERTEX = /* glsl */ `
 void main() { gl_Position = vec4( 2.0 * position.xy, 0.0, 1.0 ); }`;
 
-/** Visibility by the horizons in each direction: Jimenez et al., Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016. */
+/** Visibility by the horizons in each direction [Jimenez]. */
 const HORIZONS = /* glsl */ `
 #define DIRECTIONS 2
 #define STEPS 4
