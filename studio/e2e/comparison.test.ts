@@ -97,7 +97,7 @@ async function compare(page: Page): Promise<void> {
   await page.getByTestId('take-reference').click();
   await page.getByTestId('reference-overlaid').focus();
   await page.keyboard.press('ArrowDown');
-  expect(await page.getByTestId('reference-beside').isChecked()).toBe(true);
+  expect(await page.getByTestId('reference-separate').isChecked()).toBe(true);
   await page.getByTestId('value-A').fill('60');
   await page.getByTestId('value-A').press('Enter');
   await until('driven', async () => Math.abs(Number(await page.locator('[data-testid=compare-A] td').nth(2).textContent()) - 60) < 1e-6);
@@ -203,7 +203,7 @@ test('both halves are exported with their names, and the choice is remembered', 
 test('another mechanism is drawn at the same scale, as large as both halves allow', async () => {
   await at(1024, 700, 'dark', async (page) => {
     await page.getByTestId('take-reference').click();
-    await page.getByTestId('reference-beside').check();
+    await page.getByTestId('reference-separate').check();
     const bars = (await probe(page)).joints;
     await page.getByRole('tab', { name: 'Catalogue' }).click();
     await page.getByTestId('entry-gpr-mechanism').click();

@@ -133,11 +133,19 @@ fn between(page: &str, start: &str, end: &str) -> Vec<String> {
     parts.map(text).collect()
 }
 
-/// The text of a piece of a page on one line.
+/// The text of a piece of a page on one line, without the titles of long lists, such as "Show 13 variants".
 fn text(html: &str) -> String {
     let mut out = String::new();
     let mut is_markup = false;
-    for c in html.chars() {
+    let untitled: String = html
+        .split("<summary")
+        .enumerate()
+        .map(|(number, part)| match part.split_once("</summary>") {
+            Some((_, after)) if number > 0 => after,
+            _ => part,
+        })
+        .collect();
+    for c in untitled.chars() {
         match c {
             '<' => is_markup = true,
             '>' => is_markup = false,
@@ -174,6 +182,12 @@ mod tests {
         let expect =
             ["pub struct A<T> { pub x: f64, }", "pub fn new() -> Self", "impl Clone for A"];
         assert_eq!(declarations(PAGE), expect);
+    }
+
+    #[test]
+    fn a_long_list_has_no_title() {
+        let list = "pub enum A {<details><summary class=\"hideme\"><span>Show 13 variants</span></summary> B,\n</details>}";
+        assert_eq!(text(list), "pub enum A { B, }");
     }
 
     #[test]

@@ -37,7 +37,7 @@ class Comparison {
   /** How the reference is drawn in the view; remembered by the browser. */
   display = $state(load<ReferenceDisplay>('mechanism.reference', 'overlaid', isReferenceDisplay));
   /** Whether the view has a pane for the reference. */
-  isBeside = $derived(this.reference !== null && this.display === 'beside');
+  isSeparate = $derived(this.reference !== null && this.display === 'separate');
 
   setDisplay(display: ReferenceDisplay): void {
     this.display = display;

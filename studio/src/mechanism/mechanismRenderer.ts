@@ -39,7 +39,7 @@ const ABOVE_GROUND = 0.04;
 const GRID = { step: 0.1, radius: 3 } as const;
 const DESCRIPTIONS = {
   alone: '3D view of the mechanism; its links, joints and values are in the panels',
-  beside: '3D views of the reference and of the shown mechanism, side by side; their values are in the panel Comparison',
+  separate: '3D views of the reference and of the shown mechanism, side by side; their values are in the panel Comparison',
 } as const;
 /** Length of a joint and its surroundings [sizes]: joints have no labels in views from far away. */
 const LABELLED = 0.18;
@@ -86,9 +86,9 @@ export class MechanismRenderer extends SceneRenderer {
     // For the capture phase: a drag of a point must not reach the camera controls.
     this.canvas.addEventListener('pointerdown', (event) => this.#take(event), { capture: true });
     this.canvas.addEventListener('pointermove', (event) => this.#follow(event));
-    redirectWheel(this.canvas, (event) => (this.#reference.beside ? this.paneBoxes[this.paneUnder(event)]! : null));
+    redirectWheel(this.canvas, (event) => (this.#reference.separate ? this.paneBoxes[this.paneUnder(event)]! : null));
     // Two fingers zoom to the target where the centre between them is not that of the whole canvas.
-    this.canvas.addEventListener('pointerdown', ({ pointerType }) => (this.controls.zoomToCursor = pointerType !== 'touch' || !this.#reference.beside), { capture: true });
+    this.canvas.addEventListener('pointerdown', ({ pointerType }) => (this.controls.zoomToCursor = pointerType !== 'touch' || !this.#reference.separate), { capture: true });
     this.measure();
   }
 
@@ -117,7 +117,7 @@ export class MechanismRenderer extends SceneRenderer {
     this.scene.add(this.#model.group);
     this.place(poses);
     this.#model.highlight(this.#selected);
-    this.#arrange(this.#reference.beside !== null);
+    this.#arrange(this.#reference.separate !== null);
   }
 
   /** Moves the links to their poses. */
@@ -251,19 +251,19 @@ export class MechanismRenderer extends SceneRenderer {
 
   /** Draws a state to compare with: translucent in the base frame of the mechanism, or next to it. */
   compare(drawn: DrawnReference | null): void {
-    const before = this.#reference.beside;
+    const before = this.#reference.separate;
     this.#reference.draw(drawn, this.scene, this.#materials);
-    const { beside } = this.#reference;
-    this.canvas.setAttribute('aria-label', DESCRIPTIONS[beside ? 'beside' : 'alone']);
+    const { separate } = this.#reference;
+    this.canvas.setAttribute('aria-label', DESCRIPTIONS[separate ? 'separate' : 'alone']);
     this.#arrange(true);
     this.#reference.highlight(this.#selected);
     this.resized();
-    if (beside && beside.document !== before?.document && !this.#isInView) this.#fitAgain();
+    if (separate && separate.document !== before?.document && !this.#isInView) this.#fitAgain();
   }
 
   /** Keeps both mechanisms in their panes when these change their shape. */
   protected override measure(): void {
-    const keeps = this.#reference.beside !== null && this.#isInView;
+    const keeps = this.#reference.separate !== null && this.#isInView;
     super.measure();
     if (keeps && !this.#isInView) this.#fitAgain();
   }
@@ -274,10 +274,10 @@ export class MechanismRenderer extends SceneRenderer {
 
   /** Scales and places the mechanism and the reference; with `keepsPicture`, the camera follows the unit of the scene. */
   #arrange(keepsPicture: boolean): void {
-    const { drawn, beside } = this.#reference;
+    const { drawn, separate } = this.#reference;
     const own = this.#document?.size_m ?? drawn?.document.size_m ?? this.#unit_m;
     const before = this.#unit_m;
-    this.#unit_m = beside ? Math.max(own, beside.document.size_m) : own;
+    this.#unit_m = separate ? Math.max(own, separate.document.size_m) : own;
     if (keepsPicture && before !== this.#unit_m) {
       this.#eye.position.multiplyScalar(before / this.#unit_m);
       this.controls.target.multiplyScalar(before / this.#unit_m);
@@ -287,16 +287,16 @@ export class MechanismRenderer extends SceneRenderer {
     const isSame = drawn?.document.name === this.#document?.name;
     this.#reference.arrange(this.#unit_m, this.#box(), isSame);
     // Two states of one mechanism are above the same ground.
-    const box = beside && isSame ? this.#wholeBox() : this.#box();
+    const box = separate && isSame ? this.#wholeBox() : this.#box();
     this.placeGround(box, box.min.z - ABOVE_GROUND);
-    if (!beside) return;
+    if (!separate) return;
     const other = isSame ? box : this.#reference.box;
     this.#reference.stage.place(other, other.min.z - ABOVE_GROUND);
   }
 
   /** The box around all panes. */
   #wholeBox(): Box3 {
-    return this.#reference.beside ? this.#box().union(this.#reference.box) : this.#box();
+    return this.#reference.separate ? this.#box().union(this.#reference.box) : this.#box();
   }
 
   /** Whether the corners of that box are in view. */
@@ -311,29 +311,29 @@ export class MechanismRenderer extends SceneRenderer {
 
   /** Places of the panes: that of the shown mechanism comes second on the page. */
   protected override get paneBoxes(): Box[] {
-    if (!this.#reference.beside) return super.paneBoxes;
+    if (!this.#reference.separate) return super.paneBoxes;
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const [first, second] = split(this.size, this.exporting ? pictureArrangement(this.size, { width, height }) : arrangementOf(this.size.width));
     return [second, first];
   }
 
   protected override panes(overlay: Overlay): Pane[] {
-    const { beside, stage } = this.#reference;
-    if (!beside) return super.panes(overlay);
+    const { separate, stage } = this.#reference;
+    if (!separate) return super.panes(overlay);
     const [box, other] = this.paneBoxes as [Box, Box];
     const { covered, occupied = [] } = overlay;
     // Titles are below the buttons of the view, and at the top of a lower pane.
     const titles = [other, box].map(({ left, top, right }) => ({ left, top, right: Math.min(left + TITLES.width, right), bottom: top + (top > 0 ? TITLES.lower : TITLES.first) }));
-    const labels = this.#labels(beside.model, beside.document.size_m);
+    const labels = this.#labels(separate.model, separate.document.size_m);
     return [
       { stage: this.stage, box, overlay: { ...overlay, occupied: [...occupied, ...titles] }, title: `Shown: ${this.#document?.name ?? ''}` },
-      { stage, box: other, overlay: { labels, covered, occupied: [...occupied, ...titles] }, title: `Reference: ${beside.document.name}` },
+      { stage, box: other, overlay: { labels, covered, occupied: [...occupied, ...titles] }, title: `Reference: ${separate.document.name}` },
     ];
   }
 
   /** Position of a joint of the reference on the page [px]; `null` without a pane of its own. */
   referenceOnPage(name: string): { x: number; y: number } | null {
-    const found = this.#reference.beside?.model.jointPositions().find((one) => one.name === name);
+    const found = this.#reference.separate?.model.jointPositions().find((one) => one.name === name);
     return found ? this.#pagePosition(found.position, 1) : null;
   }
 
@@ -440,10 +440,10 @@ export class MechanismRenderer extends SceneRenderer {
 
   #pick(event: MouseEvent): void {
     if (!this.#model || this.isDragOrHandle(event)) return;
-    const { beside } = this.#reference;
-    const inReference = beside !== null && this.paneUnder(event) !== 0;
+    const { separate } = this.#reference;
+    const inReference = separate !== null && this.paneUnder(event) !== 0;
     if (!inReference && this.#handle.isHit(this.ray(event))) return;
-    const hit = this.intersection(event, inReference ? beside.model.group : this.#model.group);
+    const hit = this.intersection(event, inReference ? separate.model.group : this.#model.group);
     const part = (hit?.object.userData.part as PartOf | undefined) ?? null;
     // In the pane of the reference, the part of the shown mechanism with the same name is selected, if there is one.
     if (part && inReference && !this.#model.hasPart(part)) return;

@@ -1,6 +1,6 @@
 // How a reference is drawn in the view of mechanisms.
 
-export const REFERENCE_DISPLAYS = { overlaid: 'Overlaid', beside: 'Side by side', hidden: 'Not drawn' } as const;
+export const REFERENCE_DISPLAYS = { overlaid: 'Overlaid', separate: 'Side by side', hidden: 'Not drawn' } as const;
 export type ReferenceDisplay = keyof typeof REFERENCE_DISPLAYS;
 
 export const isReferenceDisplay = (value: unknown): value is ReferenceDisplay => typeof value === 'string' && Object.hasOwn(REFERENCE_DISPLAYS, value);

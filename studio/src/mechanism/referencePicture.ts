@@ -48,11 +48,11 @@ export class ReferencePicture {
     this.#clear();
     this.#drawn = drawn;
     if (!drawn) return;
-    const beside = drawn.display === 'beside';
-    this.#model = new MechanismModel(drawn.document, beside ? materials : this.#overlaid);
+    const separate = drawn.display === 'separate';
+    this.#model = new MechanismModel(drawn.document, separate ? materials : this.#overlaid);
     this.#model.place(drawn.poses);
-    if (!beside) this.#model.group.traverse((part) => (part.castShadow = false));
-    (beside ? this.stage.scene : shown).add(this.#model.group);
+    if (!separate) this.#model.group.traverse((part) => (part.castShadow = false));
+    (separate ? this.stage.scene : shown).add(this.#model.group);
   }
 
   get drawn(): DrawnReference | null {
@@ -60,8 +60,8 @@ export class ReferencePicture {
   }
 
   /** The reference in a pane of its own; `null` if there is none. */
-  get beside(): { document: MechanismDocument; model: MechanismModel } | null {
-    return this.#drawn?.display === 'beside' && this.#model ? { document: this.#drawn.document, model: this.#model } : null;
+  get separate(): { document: MechanismDocument; model: MechanismModel } | null {
+    return this.#drawn?.display === 'separate' && this.#model ? { document: this.#drawn.document, model: this.#model } : null;
   }
 
   get box(): Box3 {
@@ -77,12 +77,12 @@ export class ReferencePicture {
     if (!group) return;
     group.scale.setScalar(1 / unit_m);
     group.position.set(0, 0, 0);
-    if (this.beside && !isSameMechanism) group.position.copy(shown.getCenter(new Vector3()).sub(this.box.getCenter(new Vector3())));
+    if (this.separate && !isSameMechanism) group.position.copy(shown.getCenter(new Vector3()).sub(this.box.getCenter(new Vector3())));
     this.stage.partsMoved();
   }
 
   /** Highlights parts in its own pane. */
   highlight(selected: (part: PartOf) => boolean): void {
-    this.beside?.model.highlight(selected);
+    this.separate?.model.highlight(selected);
   }
 }
