@@ -150,18 +150,16 @@ fn names(robot: &HybridRobot) -> [Vec<&str>; 3] {
     ]
 }
 
-/// Number of violations of a program, which has to be valid.
+const NONE: [&str; 0] = [];
+
+/// Violations of a program, which has to be valid.
 #[track_caller]
-fn violations(cell: &Cell, program: &str) -> usize {
+fn violations(cell: &Cell, program: &str) -> Vec<String> {
     let check = CheckOptions { rate: 100.0, report_distance: 0.05 };
     let options = PlanOptions { check, ..PlanOptions::default() };
     let program = program::parse(program).unwrap();
     let (_, report) = IncrementalPlanner::default().plan(cell, &program, &options).unwrap();
-    for violation in &report.violations {
-        // Shown where a test fails.
-        println!("{}", violation.describe(cell));
-    }
-    report.violations.len()
+    report.violations.iter().map(|violation| violation.describe(cell)).collect()
 }
 
 fn add(text: &str) -> EntryAdded {
@@ -178,7 +176,7 @@ fn a_robot_can_be_described_in_the_cell_file() {
     assert_eq!(names(&cell.robot), [vec!["arm"], vec!["T", "R"], vec!["E"]]);
     assert!((cell.robot.arms[0].mount[2] - 0.06).abs() < 1e-12);
     assert!((cell.robot.arms[0].joints[0].length - 0.23).abs() < 1e-12);
-    assert_eq!(violations(&cell, "HOME\nGET P1\nPUT P1\nHOME\n"), 0);
+    assert_eq!(violations(&cell, "HOME\nGET P1\nPUT P1\nHOME\n"), NONE);
     // The expansion has the values of the expressions, and describes the same cell.
     let expanded = expand(OWN, &[], &mut no_files).unwrap();
     assert_eq!(format!("{:?}", read(&expanded)), format!("{cell:?}"));
@@ -215,9 +213,9 @@ fn an_added_arm_is_usable_and_removed_without_a_trace() {
         assert!(comments(&text).contains(&line), "{line}");
     }
     // It hits nothing at home and while the other arm works, and reaches a station.
-    assert_eq!(violations(&cell, "HOME\nGET P1 WITH E\nPUT P1 WITH E\nHOME\n"), 0);
+    assert_eq!(violations(&cell, "HOME\nGET P1 WITH E\nPUT P1 WITH E\nHOME\n"), NONE);
     let all = read(&text.replace("effectors = [\"E\"]\n", ""));
-    assert_eq!(violations(&all, "HOME\nGET P1 WITH A\nPUT P1 WITH A\nHOME\n"), 0);
+    assert_eq!(violations(&all, "HOME\nGET P1 WITH A\nPUT P1 WITH A\nHOME\n"), NONE);
     assert_eq!(remove_entry(&text, EntryList::Arm, "arm-1").unwrap(), OWN);
 }
 
@@ -237,12 +235,12 @@ fn a_duplicated_arm_has_axes_effectors_and_bodies_of_its_own_above_the_original(
     assert!(!bodies.contains(&"mast2"));
     assert!(text.contains("[\"hand2\", \"blade2\"]"), "{text}");
     assert!(text.contains("\"(deck_mm) + "), "{text}");
-    assert_eq!(violations(&cell, "HOME\nGET P1 WITH E\nPUT P1 WITH E\nHOME\n"), 0);
+    assert_eq!(violations(&cell, "HOME\nGET P1 WITH E\nPUT P1 WITH E\nHOME\n"), NONE);
     assert_eq!(remove_entry(&text, EntryList::Arm, "arm2").unwrap(), OWN);
     // What is left after the original is removed works as before.
     let rest = remove_entry(&text, EntryList::Arm, "arm").unwrap();
     let rest = rest.replace("effectors = [\"E\"]", "effectors = [\"E2\"]");
-    assert_eq!(violations(&read(&rest), "HOME\nGET P1\nPUT P1\nHOME\n"), 0);
+    assert_eq!(violations(&read(&rest), "HOME\nGET P1\nPUT P1\nHOME\n"), NONE);
 }
 
 #[test]
@@ -289,7 +287,7 @@ fn a_robot_of_the_catalogue_is_copied_into_the_cell_file() {
             &read(&again.text),
             "HOME\nGET LP1 SLOT 2 WITH A\nPUT PM1 WITH A\nGET PM1 WITH B\nPUT LP2 SLOT 3 WITH B\nHOME\n"
         ),
-        0
+        NONE
     );
     assert_eq!(remove_entry(&again.text, EntryList::Arm, &again.name).unwrap(), text);
     // Comments next to `robot` follow it.
@@ -317,7 +315,7 @@ fn arms_of_every_robot_of_the_catalogue_are_duplicated_and_removed() {
             let EntryAdded { text: two, name } = duplicate(&one, EntryList::Arm, arm);
             let cell = read(&two);
             assert_eq!(cell.robot.arms.len(), 2, "{robot} {arm}");
-            assert_eq!(violations(&cell, "HOME\n"), 0, "{robot} {arm}");
+            assert_eq!(violations(&cell, "HOME\n"), NONE, "{robot} {arm}");
             let back = remove_entry(&two, EntryList::Arm, &name).unwrap();
             if one.contains("[robot]") {
                 assert_eq!(back, one, "{robot} {arm}");
@@ -326,7 +324,7 @@ fn arms_of_every_robot_of_the_catalogue_are_duplicated_and_removed() {
             assert_eq!(duplicate(&back, EntryList::Arm, arm).text, two, "{robot} {arm}");
             let effector = cell.robot.arms[0].effectors[0].name.clone();
             let blades = duplicate(&two, EntryList::Effector, &effector);
-            assert_eq!(violations(&read(&blades.text), "HOME\n"), 0, "{robot} {arm}");
+            assert_eq!(violations(&read(&blades.text), "HOME\n"), NONE, "{robot} {arm}");
             assert_eq!(remove_entry(&blades.text, EntryList::Effector, &blades.name).unwrap(), two);
         }
     }
@@ -363,13 +361,13 @@ station = [{ name = "P", position_mm = [400, 0, 560], heading_deg = -90, stroke 
     let before = read(inline);
     assert_eq!(names(&before.robot), [vec!["a"], vec!["T", "X"], vec!["e"]]);
     let two = duplicate(inline, EntryList::Arm, "a");
-    assert_eq!(violations(&read(&two.text), "HOME\n"), 0);
+    assert_eq!(violations(&read(&two.text), "HOME\n"), NONE);
     assert_eq!(comments(&two.text), comments(inline));
     assert_eq!(remove_entry(&two.text, EntryList::Arm, &two.name).unwrap(), inline);
     let added = add(inline);
     let cell = read(&added.text);
     assert_eq!(names(&cell.robot), [vec!["a", "arm-1"], vec!["T", "X", "T2", "R"], vec!["e", "A"]]);
-    assert_eq!(violations(&cell, "HOME\n"), 0);
+    assert_eq!(violations(&cell, "HOME\n"), NONE);
     assert_eq!(comments(&added.text), comments(inline));
     assert_eq!(remove_entry(&added.text, EntryList::Arm, &added.name).unwrap(), inline);
     let blades = duplicate(inline, EntryList::Effector, "e");
@@ -400,7 +398,7 @@ fn a_robot_without_arms_is_invalid_until_it_gets_one() {
     let added = add(&text);
     let cell = read(&added.text);
     assert_eq!(names(&cell.robot), [vec!["arm-1"], vec!["T", "R"], vec!["A"]]);
-    assert_eq!(violations(&cell, "HOME\nGET P1\nPUT P1\nHOME\n"), 0);
+    assert_eq!(violations(&cell, "HOME\nGET P1\nPUT P1\nHOME\n"), NONE);
     assert!(added.text.contains("# none yet"));
 }
 
@@ -494,7 +492,7 @@ fn arms_and_stations_change_in_any_order_without_a_trace() {
     let with_body = add_entry(&start, &body, &mut no_files).unwrap();
     let with_arm = duplicate(&with_body.text, EntryList::Arm, "upper");
     let with_station = duplicate(&with_arm.text, EntryList::Station, "LP1");
-    assert_eq!(violations(&read(&with_station.text), "HOME\n"), 0);
+    assert_eq!(violations(&read(&with_station.text), "HOME\n"), NONE);
     let text = remove_entry(&with_station.text, EntryList::Arm, &with_arm.name).unwrap();
     let text = remove_entry(&text, EntryList::Body, &with_body.name).unwrap();
     let text = remove_entry(&text, EntryList::Station, &with_station.name).unwrap();
