@@ -5,6 +5,7 @@
 
 import queue
 import sys
+import time
 
 import secsgem.common
 import secsgem.gem
@@ -12,6 +13,8 @@ import secsgem.hsms
 
 STATUS, RESULT, DURATION, TRANSFER_FINISHED = 10, 30, 31, 1000
 ACK_FINISH_LATER = 4
+# Least time between connections, T5 of HSMS: equipment first has to notice that the last one ended.
+SEPARATION_S = 1.0
 
 
 class Host(secsgem.gem.GemHostHandler):
@@ -39,6 +42,7 @@ class Host(secsgem.gem.GemHostHandler):
             if self.waitfor_communicating(wait):
                 return
             self.disable()
+            time.sleep(SEPARATION_S)
         raise RuntimeError("the equipment does not answer")
 
     def status(self):

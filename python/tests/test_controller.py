@@ -57,12 +57,12 @@ def equipment(controller):
 def test_a_gem_host_transfers_wafers(equipment):
     example = ROOT / "examples" / "gem_host.py"
     command = [sys.executable, str(example), equipment, "LP1", "LP2", "A"]
-    done = subprocess.run([*command, "2"], check=True, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([*command, "2"], check=True, stdout=subprocess.PIPE, text=True, timeout=60)
     lines = done.stdout.splitlines()
     assert [line.split(": ")[1] for line in lines[:2]] == ["COMPLETED", "COMPLETED"]
     durations = [float(line.split()[0]) for line in lines[:3]]
     assert durations[0] + durations[1] == pytest.approx(durations[2], abs=0.002) and durations[0] > 5
     assert lines[3].startswith("STATUS idle ")
     # A second host finds the slots empty: the reason of the controller reaches it.
-    done = subprocess.run([*command, "1"], check=True, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([*command, "1"], check=True, stdout=subprocess.PIPE, text=True, timeout=60)
     assert "REFUSED 4 slot 1 of LP1 is empty" in done.stdout.splitlines()[0]
