@@ -62,16 +62,18 @@ export function split(size: Size, arrangement: Arrangement): [Box, Box] {
 export interface OcclusionOfFrame {
   occlusion: Occlusion;
   computes: boolean;
+  /** Whether half of the resolution is enough: a quarter of the time. */
+  isCoarse: boolean;
 }
 
 /** Renders each pane in its part of the canvas. */
-export function renderPanes(renderer: WebGLRenderer, panes: readonly Pane[], camera: Camera, size: Size, { occlusion, computes }: OcclusionOfFrame): void {
+export function renderPanes(renderer: WebGLRenderer, panes: readonly Pane[], camera: Camera, size: Size, { occlusion, computes, isCoarse }: OcclusionOfFrame): void {
   const canvas = renderer.getSize(new Vector2());
   // The renderer has pixels of its own in pictures for export.
   const scale = canvas.width / size.width;
   const ratio = scale * renderer.getPixelRatio();
   const places = panes.map(({ stage, box }) => ({ stage, place: { left: ratio * box.left, right: ratio * box.right, bottom: ratio * (size.height - box.bottom), top: ratio * (size.height - box.top) } }));
-  occlusion.prepare(renderer, places, camera, ratio >= FINE ? 2 : 1, computes);
+  occlusion.prepare(renderer, places, camera, isCoarse || ratio >= FINE ? 2 : 1, computes);
   renderer.setScissorTest(panes.length > 1);
   for (const { stage, box } of panes) {
     stage.updateShadows(renderer);

@@ -76,7 +76,7 @@ const GRIP = { width: 26, height: 64 } as const;
 /** Largest number of pixels of a still picture, which takes the processor about a second. */
 const STILL_PIXELS = 9e6;
 /** Time without changes before the still picture [ms]: longer where moving pictures are slow, so that none is rendered between two of them. */
-const STILL_AFTER = { least: 220, most: 660, intervals: 3 } as const;
+const STILL_AFTER = { least: 400, most: 900, intervals: 4 } as const;
 
 /** Pointer movement up to which a click is a click and not a drag [px]. */
 export const CLICK_DISTANCE = 4;
@@ -358,7 +358,7 @@ export abstract class SceneRenderer {
     const overlay = this.update();
     if (!overlay) return null;
     const panes = this.panes(overlay);
-    renderPanes(this.renderer, panes, this.camera, this.size, { occlusion: this.#occlusion, computes: occludes });
+    renderPanes(this.renderer, panes, this.camera, this.size, { occlusion: this.#occlusion, computes: occludes, isCoarse: this.#software && !this.exporting });
     return panes;
   }
 
