@@ -21,6 +21,8 @@ async function save(page: Page, name: string): Promise<void> {
   await until('the motion is loaded', async () => (await page.getByTestId('loading').count()) === 0);
   // Pictures and texts have settled after some frames.
   await frames(page, 60);
+  // The picture at rest has the full resolution and occlusion.
+  await page.waitForTimeout(4000);
   await page.screenshot({ path: resolve(ROOT, 'docs/figures', `${name}.png`) });
 }
 
