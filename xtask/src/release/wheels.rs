@@ -56,7 +56,11 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
 /// # Errors
 /// If there is none.
 pub(super) fn wheel(folder: &Path, tag: &str) -> io::Result<PathBuf> {
-    for entry in folder.read_dir()? {
+    let missing = |error| {
+        let step = "run `cargo xtask release --dry-run` first";
+        io::Error::other(format!("{}: {error}; {step}", folder.display()))
+    };
+    for entry in folder.read_dir().map_err(missing)? {
         let path = entry?.path();
         let name = file_name(&path);
         if name.ends_with(".whl") && name.contains(tag) {
