@@ -12,4 +12,5 @@ mod table;
 pub use range::{AllowedRange, LARGEST};
 pub use reader::Reader;
 pub use source::Inclusion;
+pub(crate) use table::LONGEST_NAME;
 pub use table::{Entry, Table};

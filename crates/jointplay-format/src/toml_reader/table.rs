@@ -15,7 +15,7 @@ use crate::place::{Form, nearest, shortened};
 use crate::units::m_from_mm;
 
 /// Longest name of a station, an effector, an axis: as much as fits a table of text.
-const LONGEST_NAME: usize = 32;
+pub(crate) const LONGEST_NAME: usize = 32;
 
 /// A table of the file, and the keys that were asked for.
 pub struct Table<'r, 'a, P> {

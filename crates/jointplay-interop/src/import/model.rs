@@ -92,20 +92,20 @@ impl Imported {
         for joint in self.mechanism.joints() {
             for frame in &joint.frames {
                 let point = frame.translation.vector.as_slice();
-                check("the position", &joint.name, point, LARGEST_COORDINATE)?;
+                check("the position (m)", &joint.name, point, LARGEST_COORDINATE)?;
             }
             if let JointKind::Helical { lead } = joint.kind {
-                check("the lead", &joint.name, &[lead * TAU], LARGEST)?;
+                check("the lead (m)", &joint.name, &[lead * TAU], LARGEST)?;
             }
-            check("the guess", &joint.name, &joint.guess, LARGEST_COORDINATE)?;
+            check("the guess (m or rad)", &joint.name, &joint.guess, LARGEST_COORDINATE)?;
             let limits = joint.limits.iter().flatten().copied();
             let limits: Vec<f64> = limits.filter(|limit| limit.is_finite()).collect();
-            check("a limit", &joint.name, &limits, LARGEST_COORDINATE)?;
+            check("a limit (m or rad)", &joint.name, &limits, LARGEST_COORDINATE)?;
         }
         for coupling in self.mechanism.couplings() {
             let ratios: Vec<f64> = coupling.terms.iter().map(|&(_, ratio)| ratio).collect();
             check("a ratio", &coupling.name, &ratios, LARGEST)?;
-            check("the offset", &coupling.name, &[coupling.offset], LARGEST)?;
+            check("the offset (m or rad)", &coupling.name, &[coupling.offset], LARGEST)?;
         }
         Ok(())
     }

@@ -92,11 +92,11 @@ pub enum Problem {
     /// A number that no mechanism file may have.
     #[error("{what} of {whose:?} is {}, but has to be within ±{allowed:e}", number(*found))]
     TooLarge {
-        /// The quantity.
+        /// The quantity, with its unit.
         what: &'static str,
         /// The joint or the coupling.
         whose: String,
-        /// The value found (m, rad, or their quotients).
+        /// The value found, in this unit.
         found: f64,
         /// Largest magnitude allowed, in the same unit.
         allowed: f64,

@@ -246,7 +246,7 @@ mod tests {
             assert_eq!(read.mechanism.joints(), model.mechanism.joints());
         }
         let error = parse(&chain(1_000_001.0)).unwrap_err().to_string();
-        let expected = "the position of \"j\" is 1000001, but has to be within ±1e6";
+        let expected = "the position (m) of \"j\" is 1000001, but has to be within ±1e6";
         assert!(error.contains(expected), "{error}");
     }
 

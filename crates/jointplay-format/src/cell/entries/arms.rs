@@ -59,9 +59,8 @@ pub(super) fn add(
     };
     let mut names = Names::of(document);
     let new = names.take("arm-1");
-    // The files of the catalogue are valid, as a test checks.
-    let source = catalogue::find(SOURCE).map(|entry| entry.text.parse::<DocumentMut>());
-    let Some(Ok(source)) = source else { return Err(Fault::Unfit(String::new())) };
+    let source = catalogue::find(SOURCE).and_then(|entry| entry.text.parse::<DocumentMut>().ok());
+    let source = source.expect("the files of the catalogue are valid, as a test checks");
     let table_list = |key: &str| -> Vec<Table> {
         let list = source.get(key).and_then(Item::as_array_of_tables);
         list.into_iter().flat_map(|list| list.iter().cloned()).collect()
@@ -75,9 +74,7 @@ pub(super) fn add(
         axis.decor_mut().set_prefix("\n");
         renamed.insert(old, new);
     }
-    let Some(mut arm) = table_list("arm").into_iter().next() else {
-        return Err(Fault::Unfit(String::new()));
-    };
+    let mut arm = table_list("arm").into_iter().next().expect("this robot has an arm");
     rename_arm(&mut arm, &new, &renamed, &mut names);
     arm.decor_mut().set_prefix(
         "\n# Lengths, droop, axis limits and bodies are assumed: change them to those of the real arm.\n",

@@ -6,12 +6,10 @@ use toml_edit::{DocumentMut, Item, TableLike};
 
 use super::super::described::{self, tables_of};
 use super::super::robot::ROD_NAMES;
+use crate::toml_reader::LONGEST_NAME;
 
 /// Lists whose names are distinct, or that `like` refers to.
 pub(super) const NAMED: [&str; 6] = ["station", "part", "body", "zone", "frame", "template"];
-
-/// Longest name in programs.
-const LONGEST: usize = 32;
 
 /// Names in use in a cell file.
 pub(super) struct Names {
@@ -48,7 +46,7 @@ impl Names {
         let first = name[base.len()..].parse().unwrap_or(1_usize);
         let numbered = (first.saturating_add(1)..).map(|number| {
             let number = number.to_string();
-            let longest = LONGEST.saturating_sub(number.len());
+            let longest = LONGEST_NAME.saturating_sub(number.len());
             // A name with letters of several bytes is invalid already.
             format!("{}{number}", base.get(..longest).unwrap_or(base))
         });
