@@ -35,41 +35,35 @@ export async function readArrow(stream: ReadableStream<Uint8Array>): Promise<Bat
 /** Splits a stream into messages, each with its header. */
 async function* splitMessages(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Array> {
   const reader = stream.getReader();
-  let held = new Uint8Array();
-  let ended = false;
-  async function hold(count: number): Promise<boolean> {
-    const parts: Uint8Array[] = [held];
-    let length = held.length;
-    while (length < count && !ended) {
-      const { value, done } = await reader.read();
-      if (done) ended = true;
-      else {
-        parts.push(value);
-        length += value.length;
+  let piece: Uint8Array = new Uint8Array();
+  /** Fills an array from a position on; returns whether there was enough. Each byte is copied once. */
+  async function fill(target: Uint8Array, from = 0): Promise<boolean> {
+    for (let at = from; at < target.length; ) {
+      if (piece.length === 0) {
+        const { value, done } = await reader.read();
+        if (done) return false;
+        piece = value;
       }
+      const taken = piece.subarray(0, target.length - at);
+      target.set(taken, at);
+      piece = piece.subarray(taken.length);
+      at += taken.length;
     }
-    if (parts.length > 1) {
-      held = new Uint8Array(length);
-      let at = 0;
-      for (const part of parts) {
-        held.set(part, at);
-        at += part.length;
-      }
-    }
-    return length >= count;
+    return true;
   }
   try {
-    while (await hold(8)) {
-      const view = new DataView(held.buffer, held.byteOffset);
+    for (const prefix = new Uint8Array(8); await fill(prefix); ) {
+      const view = new DataView(prefix.buffer);
       if (view.getUint32(0, true) !== CONTINUATION) throw new Error('the samples are not in the Arrow streaming format');
       const head = view.getUint32(4, true);
       if (head === 0) return;
-      if (!(await hold(8 + head))) break;
-      const whole = 8 + head + bodyLength(held.subarray(8, 8 + head));
-      if (!(await hold(whole))) break;
-      // A copy, for the alignment of its columns.
-      yield held.slice(0, whole);
-      held = held.slice(whole);
+      const header = new Uint8Array(8 + head);
+      header.set(prefix);
+      if (!(await fill(header, 8))) break;
+      const message = new Uint8Array(header.length + bodyLength(header.subarray(8)));
+      message.set(header);
+      if (!(await fill(message, header.length))) break;
+      yield message;
     }
     throw new Error('the stream of samples ended early');
   } finally {

@@ -24,10 +24,17 @@ export function decimate(series: ArrayLike<number>[], from: number, to: number, 
     for (const values of series) {
       let low = start;
       let high = start;
+      let least = values[start] as number;
+      let largest = least;
       for (let i = start + 1; i < end; i++) {
         const value = values[i] as number;
-        if (value < (values[low] as number)) low = i;
-        if (value > (values[high] as number)) high = i;
+        if (value < least) {
+          low = i;
+          least = value;
+        } else if (value > largest) {
+          high = i;
+          largest = value;
+        }
       }
       here.add(low).add(high);
     }

@@ -5,6 +5,7 @@ import type { ModelChoice, ApiCommand, RobotSource } from '../api/client';
 import { readArrow } from '../lib/arrow';
 import { column, type Column } from '../lib/columns';
 import type { Motion } from '../lib/document';
+import { otherEvents } from '../lib/otherEvents';
 
 export type StudyState = 'none' | 'loading' | 'ready' | 'failed';
 
@@ -75,7 +76,7 @@ export class Study {
         }
         // Batches that have arrived are read without a pause; the page handles events in between.
         if (now - resumed > MAX_BLOCKING_MS) {
-          await new Promise((next) => setTimeout(next));
+          await otherEvents();
           resumed = performance.now();
         }
       }
