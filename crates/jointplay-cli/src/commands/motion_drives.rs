@@ -15,7 +15,7 @@ use jointplay::report::MotionParameter;
 use super::motion_course::{Course, STEPS};
 use super::motion_table;
 use crate::failure::Failure;
-use crate::mechanism_input::Input;
+use crate::mechanism_input::{Input, split};
 
 /// Largest number of steps of a path.
 const MOST_STEPS: usize = import::MAX_ROWS - 1;
@@ -25,9 +25,9 @@ const VARIABLE: &str = "t";
 /// Driven coordinates, and those that follow.
 #[derive(Args)]
 pub(crate) struct DriveArgs {
-    /// Joint coordinate to drive along a range or a curve; FROM and STEP are optional, and STEP must divide the range; several coordinates are driven simultaneously
-    #[arg(long = "drive", value_name = "JOINT=FROM:TO[:STEP]|JOINT=EXPRESSION", value_parser = drive)]
-    drives: Vec<DriveText>,
+    /// Joint coordinates to drive along ranges or curves, separated by commas; FROM and STEP are optional, and STEP must divide the range; all are driven simultaneously
+    #[arg(long = "drive", value_name = "JOINT=FROM:TO[:STEP]|JOINT=EXPRESSION", value_parser = drives)]
+    drives: Vec<DriveTexts>,
     /// Pose of a link or frame to reach, from where the loops close: tilt ANGLE about [X,Y,Z] or toward AZIMUTH, precess ANGLE, turn ANGLE about [X,Y,Z], move by or to [X,Y,Z], `_` for a free coordinate; everything else moves least, within joint limits
     #[arg(long = "pose", value_name = "FRAME: COMMAND[; COMMAND]", conflicts_with_all = ["drives", "table", "free"])]
     pub(super) pose_commands: Vec<String>,
@@ -65,6 +65,14 @@ struct RangeText {
     from: String,
     to: String,
     step: Option<String>,
+}
+
+/// The drives of one flag.
+#[derive(Clone, Debug)]
+struct DriveTexts(Vec<DriveText>);
+
+fn drives(text: &str) -> Result<DriveTexts, String> {
+    split(text, ',').into_iter().map(drive).collect::<Result<_, _>>().map(DriveTexts)
 }
 
 fn drive(text: &str) -> Result<DriveText, String> {
@@ -140,6 +148,10 @@ struct StepCount {
 }
 
 impl DriveArgs {
+    fn drives(&self) -> impl Iterator<Item = &DriveText> {
+        self.drives.iter().flat_map(|DriveTexts(drives)| drives)
+    }
+
     /// The path that the flags describe.
     ///
     /// # Arguments
@@ -206,7 +218,7 @@ impl DriveArgs {
             Ok(names) => Ok(names),
             Err(error) if self.over.is_some() => Err(usage(error)),
             Err(error) => {
-                for one in &self.drives {
+                for one in self.drives() {
                     let Values::Expression(text) = &one.values else { continue };
                     if input.expression(&one.joint, text, &names)?.uses(VARIABLE) {
                         return Err(usage(error));
@@ -230,7 +242,7 @@ impl DriveArgs {
         names: &Names<'_>,
     ) -> Result<Vec<Driver>, Failure> {
         let mut drivers: Vec<Driver> = Vec::new();
-        for one in &self.drives {
+        for one in self.drives() {
             let coordinate = input.find(&one.joint)?;
             if drivers.iter().any(|driver| driver.coordinate() == coordinate) {
                 return Err(Failure::Usage(format!("--drive {} is given twice", one.joint)));

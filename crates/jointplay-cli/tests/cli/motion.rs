@@ -90,6 +90,16 @@ fn curves_and_ranges_and_units_are_mixed() {
 }
 
 #[test]
+fn drives_of_one_flag_are_separated_by_commas() {
+    let sandbox = Sandbox::new();
+    let flags = sandbox
+        .json("move hexapod --drive \"P1 = max(0, t)/1e4\" --drive P2=0:0.01 --over t=0:100");
+    let flag =
+        sandbox.json("move hexapod --drive \"P1 = max(0, t)/1e4, P2=0:0.01\" --over t=0:100");
+    assert_eq!(flag, flags);
+}
+
+#[test]
 fn a_table_of_drives_gives_the_motion_of_the_curve_that_it_samples() {
     let sandbox = sandbox();
     let curve = sandbox.json(&format!("move four.toml {} --steps 12", precession("0.5")));
