@@ -13,9 +13,11 @@
 //! | `trial.rs` | installation in fresh systems |
 //! | `step.rs` | a step, and the folder of its results |
 //! | `artefacts.rs` | the files for upload, with checksums and destinations |
+//! | `changelog.rs` | whether the changes of the version have a date |
 //! | `folders.rs` | folders of results; the commit |
 
 mod artefacts;
+mod changelog;
 mod components;
 mod container;
 mod debian;
@@ -54,7 +56,12 @@ pub(crate) fn dry_run(chosen: &[&str], root: &Path) -> bool {
     reported(|| {
         let (folders, steps) = (Folders::new(root)?, chosen_steps(chosen)?);
         steps.iter().try_for_each(|step| step.write(&folders))?;
-        artefacts::publish(&folders, &STEPS.each_ref().map(|step| step.name))
+        artefacts::publish(&folders, &STEPS.each_ref().map(|step| step.name))?;
+        let changes = fs::read_to_string(root.join("CHANGELOG.md"))?;
+        if let Some(remark) = changelog::remark(&changes, folders::VERSION) {
+            println!("release: {remark}");
+        }
+        Ok(())
     })
 }
 
