@@ -149,3 +149,20 @@ test('a link with a time range beyond the motion shows the part within', async (
     await other.context().close();
   }
 });
+
+test('the chart of the axes shows which part of the motion is not loaded', async () => {
+  let answer = () => {};
+  const asked = new Promise<void>((done) => (answer = done));
+  await page.route('**/api/v1/cell/windows/*', async (route) => {
+    await asked;
+    await route.continue();
+  });
+  const loading = () => page.getByTestId('gantt').getAttribute('data-loading');
+  expect(await loading()).toBe('false');
+  await load(page, fixture.server.address);
+  await waitForCheck(page, 'passed');
+  await until('the chart has a gap', async () => (await loading()) === 'true');
+  answer();
+  await until('the chart is complete', async () => (await loading()) === 'false');
+  await page.unroute('**/api/v1/cell/windows/*');
+});

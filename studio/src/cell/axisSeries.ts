@@ -19,10 +19,15 @@ export function axisSeries(timeline: Timeline, range: readonly [number, number])
   const axes = timeline.plan?.robot?.axes.length ?? 0;
   const [first, after] = timeline.windowsIn(range);
   const rows: number[][] = [];
+  // What is not loaded is not drawn as a straight line.
+  const gap = (time: number) => [time, ...Array<number>(3 * axes + 1).fill(NaN)];
   if (after - first > MAX_WINDOWS_SHOWN)
     timeline.overview(first, after).forEach((numbers, k) => {
-      if (!numbers) return;
       const [start, end] = timeline.bounds(first + k);
+      if (!numbers) {
+        rows.push(gap(start));
+        return;
+      }
       // The line passes from minimum to maximum of each window.
       for (const [side, time] of [[0, start], [1, 0.5 * (start + end)]] as const) {
         const row = [time];
@@ -35,8 +40,7 @@ export function axisSeries(timeline: Timeline, range: readonly [number, number])
       const window = timeline.window(index);
       const [start] = timeline.bounds(index);
       if (!window) {
-        // A gap: what is not loaded is not drawn as a straight line.
-        rows.push([start, ...Array<number>(3 * axes + 1).fill(NaN)]);
+        rows.push(gap(start));
         continue;
       }
       window.steps.forEach((step, k) => {
