@@ -27,7 +27,7 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
     let tools = tools(folders)?;
     let maturin = || Command::new(tools.join("maturin"));
     let mut pack = maturin();
-    pack.args(["sdist", "--quiet", "--out"]).arg(&folders.out);
+    pack.args(["sdist", "--out"]).arg(&folders.out);
     pack.current_dir(folders.root.join("python")).env("SOURCE_DATE_EPOCH", &folders.time);
     process::succeed(&mut pack)?;
     let source = unpacked(folders)?;
