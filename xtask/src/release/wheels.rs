@@ -45,7 +45,7 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
         from.reproducible(&mut build, &[], &others);
         // Only the libraries in the source may be found.
         build.env("CARGO_HOME", folders.empty("cargo-home")?).env("CARGO_TARGET_DIR", &built);
-        process::succeed(build.env("PATH", path(&tools)?).current_dir(source.join("python")))?;
+        process::succeed(build.env("PATH", path(&tools)?).current_dir(&source))?;
         check(&wheel(&folders.out, tag)?, tag, &tools)?;
     }
     Ok(())
@@ -110,7 +110,7 @@ fn unpacked(folders: &Folders) -> io::Result<PathBuf> {
     fs::create_dir_all(source.join(".cargo"))?;
     fs::write(source.join(".cargo/config.toml"), settings)?;
     // Its name is one of those that `license-files` takes into the wheel.
-    fs::copy(folders.notices(), source.join("python/LICENSE-THIRD-PARTY.txt"))?;
+    fs::copy(folders.notices(), source.join("LICENSE-THIRD-PARTY.txt"))?;
     Ok(source)
 }
 
