@@ -30,7 +30,7 @@ async function open(stills: boolean): Promise<{ page: Page; heard: string[]; res
     localStorage.setItem('jointplay.studio.introduction', 'false');
     const { setTimeout } = window;
     // The time without changes before a still picture.
-    if (!stills) window.setTimeout = ((run: () => void, ms?: number) => (ms !== undefined && ms >= 220 && ms <= 660 ? 0 : setTimeout(run, ms))) as typeof window.setTimeout;
+    if (!stills) window.setTimeout = ((run: () => void, ms?: number) => (ms !== undefined && ms >= 400 && ms <= 900 ? 0 : setTimeout(run, ms))) as typeof window.setTimeout;
   }, stills);
   await load(page, `${server.address}#pose=tilt,30,1.2,500,axis&model=polar,newton,paper&play=500&show=joints`);
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.2 * Math.PI / 180) < 1e-9');
