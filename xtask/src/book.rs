@@ -95,11 +95,11 @@ fn installed(root: &Path) -> Option<PathBuf> {
     None
 }
 
-/// Installs `mdbook` with its search, and without its server.
+/// Installs `mdbook` with its search, without its server, and not optimised: that would take longer than the book.
 pub(crate) fn install(tools: &Path) -> bool {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut install = Command::new(cargo);
-    install.args(["install", "--quiet", "--locked", "mdbook", "--version", VERSION]);
+    install.args(["install", "--debug", "--quiet", "--locked", "mdbook", "--version", VERSION]);
     install.args(["--no-default-features", "--features", "search", "--root"]).arg(tools);
     install.arg("--target-dir").arg(tools.join("build"));
     install.status().is_ok_and(|status| status.success())

@@ -225,10 +225,10 @@ fn a_small_characteristic_length_decides_alike() {
     }
 }
 
-/// Bennett's linkage moves wherever its base is, as far as its dimensions are not lost in the digits of its place.
+/// Bennett's linkage moves wherever its base is; ten kilometres away, the last digit of its place is more than loops may be open.
 #[test]
 fn the_place_of_the_base_decides_nothing() {
-    for far in [0.0, 1.0, 100.0, 1e4] {
+    for far in [0.0, 1.0, 100.0, 1e3] {
         let linkage = families::bennett_row(1);
         let mut joints = linkage.joints().to_vec();
         for joint in &mut joints {

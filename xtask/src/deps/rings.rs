@@ -46,8 +46,7 @@ const FILES: &str = "jointplay-files";
 const COMMAND: &str = "jointplay-cli";
 
 /// `zmij` finds the shortest decimal of a number.
-const MATHEMATICS: Outside =
-    Outside::Only(&["nalgebra", "thiserror", "pulp", "faer", "libm", "zmij"]);
+const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "libm", "zmij"]);
 const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror", "chacha20", "libm"]);
 /// Jerk-limited profiles and distances of bodies are others' crafts.
 const CELLS: Outside =

@@ -3,9 +3,7 @@
 //! The factors of mechanisms have a few blocks in a column, too few for the dense kernels of a general sparse library; of scalar entries they have as many indices as numbers.
 #![allow(clippy::needless_range_loop, reason = "indices are those of the equations")]
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::amd;
-use faer::sparse::{Pair, SymbolicSparseColMat};
+use std::collections::BTreeSet;
 
 use crate::Error;
 
@@ -50,47 +48,50 @@ impl BlockPattern {
     /// The pattern for a number of rows of blocks, and pairs of rows that have a block off the diagonal.
     ///
     /// # Numerics
-    /// Approximate minimum degree, then one pass over the blocks of the factor.
+    /// Minimum degree: next is the row with the fewest blocks, the first of several; when it is eliminated, each two of its neighbours have a block in common.
     ///
     /// # Source
-    /// \[Davis\], sections 4.1 and 7.1
+    /// \[Davis\], section 7.1
     ///
     /// # Errors
     /// [`Error::TooConnected`] beyond [`MAX_BLOCKS`].
     pub(super) fn new(size: usize, pairs: impl Iterator<Item = [usize; 2]>) -> Result<Self, Error> {
-        let pairs: Vec<[usize; 2]> = pairs.filter(|[a, b]| a != b).take(MAX_BLOCKS + 1).collect();
-        check_number(pairs.len())?;
-        let (order, position) = elimination_order(size, &pairs);
-        let mut columns = vec![Vec::new(); size];
-        for &[a, b] in &pairs {
-            let [a, b] = [position[a], position[b]];
-            columns[a.min(b)].push(a.max(b));
+        let mut neighbours = vec![BTreeSet::new(); size];
+        // Blocks of the factor, of eliminated rows and of those that are left.
+        let mut blocks = 0;
+        for [a, b] in pairs.filter(|[a, b]| a != b) {
+            blocks += usize::from(neighbours[a].insert(b));
+            neighbours[b].insert(a);
+            check_number(blocks)?;
         }
-        let (mut starts, mut rows) = (vec![0; size + 1], Vec::new());
-        // The columns whose first block is in a row: theirs are also in the column of that row.
-        let mut children: Vec<Vec<usize>> = vec![Vec::new(); size];
-        let mut seen_in = vec![usize::MAX; size];
-        for column in 0..size {
+        let mut next: BTreeSet<(usize, usize)> =
+            neighbours.iter().enumerate().map(|(row, others)| (others.len(), row)).collect();
+        let (mut order, mut columns) = (Vec::with_capacity(size), Vec::with_capacity(size));
+        while let Some((_, row)) = next.pop_first() {
+            let column = std::mem::take(&mut neighbours[row]);
+            let mut added = 0;
+            for &other in &column {
+                let others = &mut neighbours[other];
+                next.remove(&(others.len(), other));
+                others.remove(&row);
+                let before = others.len();
+                others.extend(column.iter().filter(|&&third| third != other));
+                added += others.len() - before;
+                next.insert((others.len(), other));
+            }
+            blocks += added / 2;
+            check_number(blocks)?;
+            order.push(row);
+            columns.push(column);
+        }
+        let mut position = vec![0; size];
+        order.iter().enumerate().for_each(|(place, &row)| position[row] = place);
+        let (mut starts, mut rows) = (vec![0], Vec::with_capacity(blocks));
+        for column in columns {
             let first = rows.len();
-            seen_in[column] = column;
-            let mut add = |row: usize, rows: &mut Vec<usize>| {
-                if std::mem::replace(&mut seen_in[row], column) != column {
-                    rows.push(row);
-                }
-            };
-            columns[column].iter().for_each(|&row| add(row, &mut rows));
-            for &child in &children[column] {
-                for k in starts[child]..starts[child + 1] {
-                    let row = rows[k];
-                    add(row, &mut rows);
-                }
-            }
-            check_number(rows.len())?;
+            rows.extend(column.into_iter().map(|row| position[row]));
             rows[first..].sort_unstable();
-            starts[column + 1] = rows.len();
-            if let Some(&parent) = rows.get(first) {
-                children[parent].push(column);
-            }
+            starts.push(rows.len());
         }
         Ok(Self { position, order, starts, rows })
     }
@@ -117,25 +118,6 @@ fn check_number(found: usize) -> Result<(), Error> {
         return Err(Error::TooConnected { what, found, allowed: MAX_BLOCKS });
     }
     Ok(())
-}
-
-/// An order of elimination with few new blocks, and the position of each row in it.
-fn elimination_order(size: usize, pairs: &[[usize; 2]]) -> (Vec<usize>, Vec<usize>) {
-    let both = |&[a, b]: &[usize; 2]| [Pair { row: a, col: b }, Pair { row: b, col: a }];
-    let entries: Vec<Pair<usize, usize>> = pairs.iter().flat_map(both).collect();
-    let (graph, _) = SymbolicSparseColMat::try_new_from_indices(size, size, &entries)
-        .expect("pairs are within the matrix");
-    let (mut order, mut position) = (vec![0; size], vec![0; size]);
-    let room = amd::order_scratch::<usize>(size, graph.compute_nnz());
-    amd::order(
-        &mut order,
-        &mut position,
-        graph.as_ref(),
-        amd::Control::default(),
-        MemStack::new(&mut MemBuffer::new(room)),
-    )
-    .expect("indices of this size are in range");
-    (order, position)
 }
 
 /// A symmetric matrix, and once factored its Cholesky factor L.
