@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 HOME = ROOT / "target" / "studio"
 SCHEMATHESIS = "schemathesis==4.32.5"
-EXAMPLES = 60
+EXAMPLES = 25
 
 
 def environment() -> Path:

@@ -5,8 +5,14 @@ import { chromium, type LaunchOptions } from 'playwright-core';
 
 const CHROMIUMS = [process.env.CHROMIUM, '/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 
+// Suggestions below the address bar are two pages of two hundred scripts each, which every new window loads.
+const SUGGESTIONS = ['WebUIOmniboxPopup', 'WebUIOmniboxAimPopup'];
+
+// Those that Playwright disables and that matter here: Chromium takes the last list alone.
+const DISABLED_BY_PLAYWRIGHT = ['AimEnabled', 'AvoidUnnecessaryBeforeUnloadCheckSync', 'DestroyProfileOnBrowserClose', 'HttpsFirstBalancedModeAutoEnable', 'HttpsUpgrades', 'MediaRouter', 'NetworkTimeServiceQuerying', 'OptimizationHints', 'PaintHolding', 'PreconnectToSearch', 'ThirdPartyStoragePartitioning'];
+
 // Software rendering, and no sandbox, which containers do not support. Without a graphics card, parts of a page are put together faster by the processor itself.
-const FLAGS = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--disable-gpu-compositing', '--no-sandbox'];
+const FLAGS = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--disable-gpu-compositing', '--no-sandbox', `--disable-features=${[...SUGGESTIONS, ...DISABLED_BY_PLAYWRIGHT].join(',')}`];
 
 /** Name of the environment variable with the address of the running browser. */
 export const RUNNING = 'JOINTPLAY_TEST_BROWSER';

@@ -130,7 +130,7 @@ export async function until(what: string, asked: () => Promise<boolean>): Promis
   const end = Date.now() + TIMEOUT_MS;
   while (!(await asked())) {
     if (Date.now() > end) throw new Error(`timeout while waiting for: ${what}`);
-    await new Promise((wait) => setTimeout(wait, 25));
+    await new Promise((wait) => setTimeout(wait, 80));
   }
 }
 
