@@ -190,6 +190,7 @@ fn a_table_of_another_study_is_not_gone_on_with() {
     let sandbox = sandbox();
     let mut child = start(&sandbox, "study s.toml --out t.csv");
     await_more(&sandbox, "t.csv", 0, &mut child);
+    send("-STOP", &child);
     // A locked table is not touched.
     let meanwhile = sandbox.run("study s.toml --out t.csv --resume");
     assert_eq!(meanwhile.code, 2);
