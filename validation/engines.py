@@ -55,7 +55,8 @@ samples = 600
 seed = 3
 quantities = ["rods_mm", "sides_mm", "dimensions", "origin_x_mm", "origin_y_mm", "origin_z_mm", "center_shift_um",
   "axis_height_mm", "azimuth_deg", "tilt_deg", "tilt_x_deg", "tilt_y_deg", "tilt_error_urad", "torsion_deg", "normal_x",
-  "normal_y", "normal_z", "displacement_um", "ball_displacements_um", "virtual_joints", "residual_mm", "iterations"]
+  "normal_y", "normal_z", "displacement_um", "ball_displacements_um", "virtual_joints", "sensitivity_1", "sensitivity_2", "sensitivity_3",
+  "residual_mm", "iterations"]
 
 [pose]
 tilt_x_deg = {{ normal = [0, 15] }}
@@ -68,7 +69,7 @@ socket_angle_deg = {{ uniform = [-0.02, 0.02] }}
 base_x_mm = {{ normal = [0, 0.02] }}
 base_y_mm = {{ normal = [0, 0.02] }}
 """
-"""Every quantity but sensitivities, which are computed on one kind of processor."""
+"""Every quantity."""
 
 
 def digest(path: Path) -> str:

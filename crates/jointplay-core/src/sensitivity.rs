@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
 use crate::constraint::{Configuration, Dimension, System, scaled_jacobian, units};
-use crate::linalg::{Svd, svd};
+use crate::linalg::{Svd, product, svd};
 
 /// ∂X/∂P at a configuration, in the metric, with its singular values and vectors.
 ///
@@ -168,7 +168,7 @@ impl Sensitivity {
         let of_virtual_joints = svd(of_virtual_joints)?;
         let by_constraint =
             -of_virtual_joints.pseudo_inverse(of_virtual_joints.rank(relative_threshold));
-        let matrix = &by_constraint * &constraint_jacobian;
+        let matrix = product(&by_constraint, &constraint_jacobian);
         let decomposition = svd(&matrix)?;
         Ok(Self {
             rank: decomposition.rank(relative_threshold),

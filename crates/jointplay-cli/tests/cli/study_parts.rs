@@ -206,11 +206,16 @@ fn parts_that_changed_are_refused_and_computed_again() {
 }
 
 #[test]
-fn sensitivities_are_computed_on_one_kind_of_processor() {
+fn mechanisms_are_computed_on_one_kind_of_processor() {
     let sandbox = Sandbox::new();
     sandbox
         .write("s.toml", &STUDY.replace("131100", "9").replace("\"q2_mm\"", "\"sensitivity_1\""));
-    sandbox.done("study s.toml --parts run --part-format csv --quiet");
+    sandbox.done("study s.toml --parts any --part-format csv --quiet");
+    let described: Value = serde_json::from_str(&sandbox.read("any/study.json")).unwrap();
+    assert!(described["instructions"].is_null(), "{described}");
+
+    sandbox.write("m.toml", MECHANISM);
+    sandbox.done("study m.toml --parts run --part-format csv --quiet");
     let described: Value = serde_json::from_str(&sandbox.read("run/study.json")).unwrap();
     let here = described["instructions"].as_str().unwrap();
     let other = sandbox.read("run/study.json").replacen(here, "abacus", 1);

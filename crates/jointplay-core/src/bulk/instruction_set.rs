@@ -4,7 +4,7 @@ use pulp::Arch;
 
 /// The instruction set that this processor computes with: `"AVX-512"`, `"AVX2"`, `"NEON"`, or `"baseline"` for that which all processors of its kind have.
 ///
-/// Columns have the same bits with each of them, except singular values of the sensitivity of poses beyond the kernels, which are left to a matrix library.
+/// Columns have the same bits with each of them.
 #[must_use]
 pub fn instruction_set() -> &'static str {
     match Arch::new() {

@@ -1,9 +1,9 @@
 //! One limb at a pose, with the force of the least displacement on its socket.
 
-use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::Gpr;
-use crate::virtualization::{BuiltIn, VirtualJoints};
+use crate::virtualization::{BuiltIn, VirtualJoints, unit};
 
 /// One limb at a pose, in the frame of its virtual joints: the first moves the socket along a direction, the second across it.
 ///
@@ -136,7 +136,10 @@ pub(super) fn limbs(
         }),
         BuiltIn::Offset => {
             // The slides balance the components of the forces along them, which determine all forces.
-            let along = each(|k| Rotation2::new(x[3 + k]) * platform.directions()[k]);
+            let along = each(|k| {
+                let (turn, along) = (unit(x[3 + k]), platform.directions()[k]);
+                along * turn.x + perpendicular(&along) * turn.y
+            });
             let mut balance = Matrix3::zeros();
             for k in 0..3 {
                 let before = (k + 2) % 3;

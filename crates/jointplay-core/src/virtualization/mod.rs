@@ -37,4 +37,4 @@ pub use solve::{Solution, SolveOptions, solve};
 pub use solver::Solver;
 pub use virtual_joint::{MAX_VIRTUAL_JOINTS, VirtualJoint, VirtualJointKind, VirtualJoints};
 
-pub(crate) use platform::{check_not_collinear, sides_of, signed_area};
+pub(crate) use platform::{check_not_collinear, sides_of, signed_area, unit};

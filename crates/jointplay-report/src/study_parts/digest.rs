@@ -13,7 +13,7 @@ pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// SHA-256, in hexadecimal, of everything that decides the numbers of a study, with the version of the program and the rows of a part.
 ///
-/// Studies with sensitivities include the instruction set of the processor, see [`Study::depends_on_processor`](jointplay_study::plan::Study::depends_on_processor).
+/// Studies of mechanisms and cells include the instruction set of the processor, see [`Study::depends_on_processor`](jointplay_study::plan::Study::depends_on_processor).
 /// Names and comments of the study file are not included.
 #[must_use]
 pub fn digest(study: &StudyFile) -> String {

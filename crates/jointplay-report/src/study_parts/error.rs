@@ -26,9 +26,9 @@ pub enum PartsError {
         /// This version.
         here: &'static str,
     },
-    /// A folder of a study with sensitivities, which was begun on another kind of processor.
+    /// A folder of a study of a mechanism or a cell, which was begun on another kind of processor.
     #[error(
-        "this study was begun with the instruction set {found}, and this processor has {here}: sensitivities may differ in their last digits; compute all parts on one kind of processor"
+        "this study was begun with the instruction set {found}, and this processor has {here}: numbers may differ in their last digits; compute all parts on one kind of processor"
     )]
     Processor {
         /// Instruction set that began the study.

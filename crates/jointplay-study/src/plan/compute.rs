@@ -12,7 +12,7 @@ use super::definition::Plan;
 use super::grid;
 use super::inputs::Inputs;
 use super::moments::Moments;
-use super::output::{self, OutputQuantity, PlatformQuantity};
+use super::output::{self, OutputQuantity};
 use super::study::{self, Study};
 use crate::Error;
 
@@ -38,11 +38,7 @@ impl Study for Plan {
     }
 
     fn depends_on_processor(&self) -> bool {
-        let of_processor = |wanted: &OutputQuantity| {
-            let OutputQuantity::Model { measure, .. } = wanted else { return false };
-            matches!(measure, PlatformQuantity::Quantity(Quantity::Sensitivity(_)))
-        };
-        self.wanted.iter().any(of_processor)
+        false
     }
 
     fn portions(&self) -> Portions {
