@@ -55,7 +55,7 @@ pub struct Svd {
 /// Decomposes any finite matrix.
 ///
 /// # Errors
-/// [`LinalgError::NotFinite`] for a NaN or an infinity, [`LinalgError::SvdNotConverged`] if columns are not orthogonal after [`MAX_SWEEPS`] (never seen).
+/// [`LinalgError::NotFinite`] for a NaN or an infinity, [`LinalgError::SvdNotConverged`] if columns are not orthogonal after sixty sweeps (never seen).
 ///
 /// # Numerics
 /// One-sided Jacobi: rotations of pairs of columns until all are orthogonal, beginning with the eigenvectors of AᵀA, which leave one to three sweeps to do.
@@ -67,7 +67,12 @@ pub struct Svd {
 pub fn svd(a: &DMatrix<f64>) -> Result<Svd, LinalgError> {
     let (m, n) = a.shape();
     if m < n {
-        let Svd { u, singular_values, v } = svd(&a.transpose())?;
+        let Svd { u, singular_values, v } = svd(&a.transpose()).map_err(|error| match error {
+            LinalgError::SvdNotConverged { rows, columns } => {
+                LinalgError::SvdNotConverged { rows: columns, columns: rows }
+            }
+            not_finite @ LinalgError::NotFinite { .. } => not_finite,
+        })?;
         return Ok(Svd { u: v, singular_values, v: u });
     }
     if let Some(&value) = a.iter().find(|value| !value.is_finite()) {
