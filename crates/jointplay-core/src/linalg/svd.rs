@@ -116,20 +116,20 @@ fn orthogonal_columns(a: &DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> 
         let mut orthogonal = true;
         for p in 0..n {
             for q in p + 1..n {
-                let product = dot(column(&columns, p), column(&columns, q));
+                let inner = dot(column(&columns, p), column(&columns, q));
                 // Rotations change them by differences, which can be below zero.
                 let [longer, shorter] = [squares[p].max(squares[q]), squares[p].min(squares[q])]
                     .map(|square| square.max(0.0).sqrt());
-                if product.abs() <= longer * (PRODUCT_ROUND_OFF * shorter + REST * largest) {
+                if inner.abs() <= longer * (PRODUCT_ROUND_OFF * shorter + REST * largest) {
                     continue;
                 }
                 orthogonal = false;
-                let cotangent_of_double = (squares[q] - squares[p]) / (2.0 * product);
+                let cotangent_of_double = (squares[q] - squares[p]) / (2.0 * inner);
                 let tangent = 1.0_f64.copysign(cotangent_of_double)
                     / (cotangent_of_double.abs()
                         + (1.0 + cotangent_of_double * cotangent_of_double).sqrt());
-                squares[p] -= tangent * product;
-                squares[q] += tangent * product;
+                squares[p] -= tangent * inner;
+                squares[q] += tangent * inner;
                 rotate(&mut columns, [p, q], tangent);
                 rotate(&mut v, [p, q], tangent);
             }

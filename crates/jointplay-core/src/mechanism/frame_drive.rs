@@ -3,7 +3,7 @@
 use nalgebra::{DVector, Rotation3, Translation3, Vector3};
 
 use super::frame_path::{FramePath, MeasuredPath};
-use super::limits::BeyondLimits;
+use super::limits::{BeyondLimits, ROUND_OFF};
 use super::motion::{DriveProblem, STEP_THRESHOLD};
 use super::{
     Closure, CommandedJoints, DrivePath, DrivenMotion, Joint, JointKind, LinearAndAngular,
@@ -228,9 +228,10 @@ impl Measured {
     }
 }
 
-/// The coordinate that is beyond its limits by the largest share of its range, and the limit.
+/// The coordinate that is beyond its limits by the largest share of its range, and the limit; the first of several that differ by round-off.
 fn worst(beyond: &[BeyondLimits]) -> Option<(usize, f64)> {
-    let worst = beyond.iter().max_by(|a, b| a.share().total_cmp(&b.share()))?;
+    let largest = beyond.iter().map(BeyondLimits::share).fold(0.0, f64::max);
+    let worst = beyond.iter().find(|one| one.share() >= largest - ROUND_OFF)?;
     Some((worst.coordinate, worst.nearest()))
 }
 
