@@ -54,8 +54,8 @@ const SAME_CASES: (&str, &str) = ("PROPTEST_RNG_SEED", "1");
 /// The first step that takes long.
 const CLIPPY: &str = "clippy --workspace --all-targets --all-features -- -D warnings";
 
-/// As Clippy's first run, with those features alone that are there unasked; a test is named so that it takes the same dependencies.
-const UNASKED: &str = "clippy --workspace --lib --bins --test cli -- -D warnings";
+/// The command as `cargo install` builds it, with default features alone; with other packages it would have the features that they ask for.
+const DEFAULT_FEATURES: &str = "clippy -p jointplay-cli --lib --bins -- -D warnings";
 
 /// The documentation of all crates, in which a broken link is an error.
 const DOC: &str = "doc --workspace --all-features --no-deps";
@@ -122,7 +122,7 @@ fn steps(examples: &[String]) -> Vec<Step> {
             "correct what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
         ),
         Step::new(
-            UNASKED,
+            DEFAULT_FEATURES,
             "put what only a feature needs under its `#[cfg(feature = …)]`, and correct what clippy names above",
         ),
     ];
@@ -276,7 +276,7 @@ mod tests {
             "cargo xtask circles",
             "cargo xtask words",
             "cargo clippy --workspace --all-targets --all-features -- -D warnings",
-            "cargo clippy --workspace --lib --bins --test cli -- -D warnings",
+            "cargo clippy -p jointplay-cli --lib --bins -- -D warnings",
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
