@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything a change must pass, stopping at the first failure.
 //!
 //! Quick steps come first; while the others compile, what they need from the network is fetched. Benches are compiled by clippy's `--all-targets`.
-//! What runs other programs comes last, some of it at the same time; the tests of the page wait for pictures, and have the machine to themselves.
+//! What runs other programs comes last, some of it at the same time: the tests of the page wait for pictures, and those of Python for answers.
 
 mod ahead;
 mod concurrent;
@@ -96,8 +96,8 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask c" => ahead.wait("c") && c_library::run(root),
         "xtask studio" => concurrent.finish("studio").unwrap_or_else(|| studio::run(root)),
-        "xtask python" => concurrent.finish("python").unwrap_or_else(|| python::run(root)),
         "xtask page" => ahead.wait("page") && page::run(root),
+        "xtask python" => concurrent.finish("python").unwrap_or_else(|| python::run(root)),
         line if line.starts_with(EXAMPLE) => run_example(&line[EXAMPLE.len()..], root),
         _ => run_cargo(step, root),
     })
@@ -167,12 +167,12 @@ fn steps(examples: &[String]) -> Vec<Step> {
         "send the request that failed by the `curl` line shown, to `jointplay studio`",
     ));
     steps.push(Step::new(
-        "xtask python",
-        "run the failing test alone, see CONTRIBUTING.md, \"Python\"",
-    ));
-    steps.push(Step::new(
         "xtask page",
         "run the failing test alone, see CONTRIBUTING.md, \"The studio's page\"",
+    ));
+    steps.push(Step::new(
+        "xtask python",
+        "run the failing test alone, see CONTRIBUTING.md, \"Python\"",
     ));
     steps
 }
@@ -288,8 +288,8 @@ mod tests {
             "cargo xtask cell",
             "cargo xtask c",
             "cargo xtask studio",
-            "cargo xtask python",
             "cargo xtask page",
+            "cargo xtask python",
         ];
         assert_eq!(lines(&["01_a"]), expect);
         assert_eq!(lines(&[]).len(), expect.len() - 1);

@@ -138,14 +138,18 @@ impl Bordered {
     /// Factors the equations; `units` are those of the columns of couplings.
     pub(super) fn factor(&mut self, unit: impl Fn(usize) -> f64) {
         let square = |column: &[f64]| column.iter().map(|value| value * value).sum::<f64>();
-        let columns =
-            self.loops.iter().flat_map(|block| block.matrix.chunks_exact(block.equations));
-        let entries = self.coupled.iter().flat_map(|(_, entries)| entries);
-        let largest = columns
-            .map(square)
-            .chain(entries.map(|&(column, factor)| (factor * unit(column)).powi(2)))
-            .fold(0.0, f64::max)
-            .sqrt();
+        let mut largest = 0.0_f64;
+        for block in &self.loops {
+            largest = match block.equations {
+                3 => block.longest::<3>(largest),
+                5 => block.longest::<5>(largest),
+                _ => block.longest::<6>(largest),
+            };
+        }
+        for &(column, factor) in self.coupled.iter().flat_map(|(_, entries)| entries) {
+            largest = largest.max((factor * unit(column)).powi(2));
+        }
+        let largest = largest.sqrt();
         self.deferred.clear();
         let mut rows = self.coupled.len();
         for (l, block) in self.loops.iter_mut().enumerate() {
@@ -290,6 +294,16 @@ impl LoopBlock {
     /// The column of the own unknown at a position.
     fn own_column(&self, position: usize) -> usize {
         self.columns[self.order[position]]
+    }
+
+    /// The square of the longest column, or of a longer one.
+    #[inline(always)]
+    fn longest<const E: usize>(&self, longer: f64) -> f64 {
+        let (columns, _) = self.matrix.as_chunks::<E>();
+        columns.iter().fold(longer, |largest, column| {
+            let square = column.iter().map(|value| value * value).sum::<f64>();
+            if square > largest { square } else { largest }
+        })
     }
 
     /// Reflects own columns of at least some length to a triangle, and all others along.

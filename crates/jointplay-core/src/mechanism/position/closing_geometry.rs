@@ -31,15 +31,15 @@ pub(super) struct ClosingGeometry {
 impl ClosingGeometry {
     pub(super) fn of(closing: &Closing, reference: &Vector3<f64>) -> Self {
         let second = &closing.frames[1];
-        let x: Vector3<f64> = second.rotation.column(0).into_owned();
-        let y: Vector3<f64> = second.rotation.column(1).into_owned();
+        let x = second.axis(0);
+        let y = second.axis(1);
         let base = [Vector3::x(), Vector3::y(), Vector3::z()];
         let (axes, count, turning) = match closing.meeting {
             Meeting::Points(_) => (base, 0, false),
             Meeting::Axes(_) => ([x, y, Vector3::zeros()], 2, true),
             Meeting::Frames => (base, 3, false),
         };
-        let arm = closing.frames[0].origin - reference;
+        let arm = closing.frames[0].origin() - reference;
         Self { arm, axes, count, turning, of_linear: 1.0 }
     }
 

@@ -383,11 +383,11 @@ impl DifferentialKinematics {
                             sides[1].0.cross(&between(sides))
                         }
                     };
-                    let rates = second.rotation.tr_mul(&(relative - turn));
+                    let rates = second.rotation().tr_mul(&(relative - turn));
                     let k = self.loops.ball_coordinate(ball);
                     out[k..k + 3].copy_from_slice(rates.as_slice());
                 }
-                Meeting::Axes(hinge) => out[hinge] = first.rotation.column(2).dot(&relative),
+                Meeting::Axes(hinge) => out[hinge] = first.axis(2).dot(&relative),
                 Meeting::Frames => {}
             }
         }

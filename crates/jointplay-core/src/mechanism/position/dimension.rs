@@ -133,7 +133,7 @@ impl DifferentialKinematics {
         self.spread_velocities();
 
         let mut frames = Vec::new();
-        let links = (1..self.loops.links.len()).map(FrameId::Link);
+        let links = (1..self.loops.link_count()).map(FrameId::Link);
         let attached = (0..self.attached.len()).map(FrameId::Attached);
         for (k, frame) in links.chain(attached).enumerate() {
             let here = self.frame_pose(frame)?;
@@ -171,7 +171,7 @@ impl DifferentialKinematics {
         loops.orient(coordinates);
         loops.mismatch(coordinates);
         let kinematics = Kinematics::new(mechanism);
-        let links: Vec<Pose> = loops.links.iter().map(|link| link.pose()).collect();
+        let links: Vec<Pose> = (0..loops.link_count()).map(|link| loops.link_pose(link)).collect();
         let frames = mechanism.moving_frames().map(|frame| kinematics.frame_pose(frame, &links));
         let sides = loops.closings.iter().map(|one| one.frames.each_ref().map(|f| f.pose()));
         let violation = |one: &CoupledRow| one.equation.residual(|k| coordinates[k]);
@@ -230,7 +230,7 @@ fn same_layout(one: &PositionSolver, other: &PositionSolver) -> bool {
     let closings = |loops: &PositionSolver| -> Vec<([usize; 2], usize)> {
         loops.closings.iter().map(|closing| (closing.links, closing.row)).collect()
     };
-    one.links.len() == other.links.len()
+    one.link_count() == other.link_count()
         && one.coordinate_count() == other.coordinate_count()
         && one.elimination.rows() == other.elimination.rows()
         && unknowns(one) == unknowns(other)

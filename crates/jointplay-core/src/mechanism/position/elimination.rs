@@ -219,6 +219,11 @@ impl Elimination {
                 left[k * m..(k + 1) * m].swap_with_slice(&mut right[..m]);
                 self.order.swap(k, best);
             }
+            if k + 1 == m {
+                // One equation is left: nothing to reflect.
+                self.mirrors[k] = [0.0; 2];
+                return m;
+            }
             let all = &mut self.matrix[..(n + self.virtuals) * m];
             let (left, right) = all.split_at_mut((k + 1) * m);
             let mirror = &mut left[k * m + k..];

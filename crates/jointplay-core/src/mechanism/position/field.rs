@@ -25,7 +25,7 @@ impl Field {
         Self {
             rates: vec![0.0; columns],
             carriers: vec![STILL; columns],
-            links: vec![STILL; loops.links.len()],
+            links: vec![STILL; loops.link_count()],
             sides: vec![[STILL; 2]; loops.closings.len()],
         }
     }

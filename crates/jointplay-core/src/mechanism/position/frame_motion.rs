@@ -39,13 +39,13 @@ impl DifferentialKinematics {
     pub fn frame_pose(&self, frame: FrameId) -> Result<Pose, Error> {
         self.known(Known::Loops)?;
         let (link, link_from_frame) = self.on_link(frame)?;
-        Ok(self.loops.links[link].pose() * link_from_frame)
+        Ok(self.loops.link_pose(link) * link_from_frame)
     }
 
     /// Link of a frame, and its pose there.
     fn on_link(&self, frame: FrameId) -> Result<(usize, Pose), Error> {
         let (what, index, count) = match frame {
-            FrameId::Link(link) => ("link", link, self.loops.links.len()),
+            FrameId::Link(link) => ("link", link, self.loops.link_count()),
             FrameId::Attached(k) => ("attached frame", k, self.attached.len()),
         };
         if index >= count {
@@ -60,8 +60,7 @@ impl DifferentialKinematics {
     /// Link of a frame, and its origin from the reference point in the base frame (m).
     pub(super) fn arm(&self, frame: FrameId) -> Result<(usize, Vector3<f64>), Error> {
         let (link, link_from_frame) = self.on_link(frame)?;
-        let placed = &self.loops.links[link];
-        let origin = placed.origin + placed.rotation * link_from_frame.translation.vector;
+        let origin = (self.loops.link_pose(link) * link_from_frame).translation.vector;
         Ok((link, origin - self.reference))
     }
 }

@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pulp::Simd;
 
-use super::walk::{Frame, Lead, Motion, Walk};
+use super::frame::Frame;
+use super::walk::{Lead, Motion, Walk};
 use crate::kernel::{Lanes, angle_of, sin_cos};
 use crate::spatial::rotation_vector;
 
@@ -101,8 +102,8 @@ impl<S: Simd> LaneFrame<S> {
     pub(super) fn splat(simd: S, frame: &Frame) -> Self {
         let splat = |value| Lanes::splat(simd, value);
         Self {
-            axes: [0, 1, 2].map(|c| [0, 1, 2].map(|r| splat(frame.rotation[(r, c)]))),
-            origin: [0, 1, 2].map(|r| splat(frame.origin[r])),
+            axes: [0, 1, 2].map(|c| [0, 1, 2].map(|r| splat(frame.axis(c)[r]))),
+            origin: [0, 1, 2].map(|r| splat(frame.origin()[r])),
         }
     }
 
@@ -120,8 +121,8 @@ impl<S: Simd> LaneFrame<S> {
             Lead::Nothing => {}
             Lead::Shift(shift) => self.shift(shift),
             Lead::Frame(by) => {
-                self.shift(&by.origin);
-                self.axes = three!(c => self.along(&by.rotation.column(c).into_owned()));
+                self.shift(&by.origin());
+                self.axes = three!(c => self.along(&by.axis(c)));
             }
         }
     }

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::bordered::EliminationPlan;
+use super::frame::Frame;
 use super::lane_elimination::{LaneElimination, sum_of_squares};
 use super::lane_frame::{
     LaneFrame, LaneScrew, Three, cross, dot, minus, rotation_of, rotation_vector_of, three, times,
@@ -16,7 +17,6 @@ use super::lane_frame::{
 };
 use super::opening::{Closing, Meeting, TreeEdge};
 use super::solver::{LONGEST_STEP, PositionSolver, ROUND_OFF};
-use super::walk::Frame;
 use crate::Error;
 use crate::bulk::{Status, StatusCounts};
 use crate::constraint::CLOSURE_TOLERANCE;
@@ -143,7 +143,7 @@ struct Room<'a, S: Simd> {
     simd: S,
     coordinates: Vec<Lanes<S>>,
     orientations: Vec<[Three<S>; 3]>,
-    links: Vec<LaneFrame<S>>,
+    frames: Vec<LaneFrame<S>>,
     sides: Vec<[LaneFrame<S>; 2]>,
     screws: Vec<LaneScrew<S>>,
     elimination: LaneElimination<'a, S>,
@@ -158,7 +158,7 @@ impl<'a, S: Simd> Room<'a, S> {
             simd,
             coordinates: vec![zero; solver.coordinate_count()],
             orientations: vec![base.axes; solver.balls.len()],
-            links: vec![base; solver.links.len()],
+            frames: solver.frames.iter().map(|frame| LaneFrame::splat(simd, frame)).collect(),
             sides: vec![[base; 2]; solver.closings.len()],
             screws: vec![LaneScrew::still(simd); solver.screws.len()],
             elimination: LaneElimination::new(simd, plan, solver.passive),
@@ -222,17 +222,17 @@ impl<'a, S: Simd> Room<'a, S> {
     fn mismatch(&mut self, solver: &PositionSolver) -> Lanes<S> {
         let zero = Lanes::splat(self.simd, 0.0);
         let (coordinates, balls) = (&self.coordinates, &self.orientations);
-        for TreeEdge { from, to, walk } in &solver.tree {
-            let mut frame = self.links[*from];
+        for TreeEdge { start, to, walk, .. } in &solver.tree {
+            let mut frame = self.frames[*start];
             frame.follow(walk, coordinates, balls, &mut self.screws);
-            self.links[*to] = frame;
+            self.frames[*to] = frame;
         }
         let per_length = zero.like(1.0 / solver.length);
         // The largest square, and the largest violation of a coupling.
         let (mut largest, mut violated) = (zero, zero);
         for (closing, frames) in solver.closings.iter().zip(&mut self.sides) {
             for side in 0..2 {
-                let mut frame = self.links[closing.links[side]];
+                let mut frame = self.frames[closing.starts[side]];
                 frame.follow(&closing.sides[side], coordinates, balls, &mut self.screws);
                 frames[side] = frame;
             }

@@ -6,6 +6,7 @@ mod differential;
 mod dimension;
 mod elimination;
 mod field;
+mod frame;
 mod frame_jacobian;
 mod frame_motion;
 mod lane_elimination;

@@ -1,12 +1,15 @@
 //! Loops opened at a joint, and the unknowns that move either side.
 
-use super::walk::{Frame, Walk};
+use super::frame::Frame;
+use super::walk::Walk;
 
 /// A joint of the spanning tree: from one link to the next.
 #[derive(Debug, Clone)]
 pub(super) struct TreeEdge {
     pub(super) from: usize,
     pub(super) to: usize,
+    /// Index of the frame from which it is walked.
+    pub(super) start: usize,
     pub(super) walk: Walk,
 }
 
@@ -14,6 +17,8 @@ pub(super) struct TreeEdge {
 #[derive(Debug, Clone)]
 pub(super) struct Closing {
     pub(super) links: [usize; 2],
+    /// Indices of the frames from which the sides are walked.
+    pub(super) starts: [usize; 2],
     pub(super) sides: [Walk; 2],
     pub(super) meeting: Meeting,
     pub(super) row: usize,

@@ -6,9 +6,10 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::bordered::{Bordered, EliminationPlan};
 use super::elimination::larger;
+use super::frame::Frame;
 use super::opening::{Closing, Meeting, SideUnknown, TreeEdge, moved_by};
 use super::unknown::{Ball, CoupledRow, Unknown};
-use super::walk::{Frame, Part, Screw, Turned, Walk};
+use super::walk::{Part, Screw, Turned, Walk};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
 use crate::mechanism::coupling_rows::coupling_rows;
@@ -16,7 +17,7 @@ use crate::mechanism::joint::Factor;
 use crate::mechanism::kinematics::{Element, cayley, skew_part};
 use crate::mechanism::tree::spanning_tree;
 use crate::mechanism::{MechanismSystem, ReliefSolver, virtual_weights};
-use crate::spatial::rotation_vector;
+use crate::spatial::{Pose, rotation_vector};
 
 /// Scaled residual at which the iteration ends; the next step would only move round-off.
 pub(super) const ROUND_OFF: f64 = 1e-13;
@@ -53,7 +54,10 @@ pub struct PositionSolver {
     pub(super) length: f64,
     // Room to work in.
     start: Vec<f64>,
-    pub(super) links: Vec<Frame>,
+    /// Where walks start: of each link the frame behind its joint of the tree, then frames that are fixed to the base.
+    pub(super) frames: Vec<Frame>,
+    /// (links) the frame of each link in the one behind its joint of the tree.
+    placed: Vec<Pose>,
     turns: Vec<Turned>,
     /// How each ball is turned.
     orientations: Vec<Matrix3<f64>>,
@@ -188,20 +192,32 @@ impl PositionSolver {
             balls.iter().position(|ball| ball.coordinate == k).expect("every ball is listed")
         };
         let mut turns = 0;
-        let mut walk =
-            |j: usize, part: Part| Walk::new(&chains[j], part, column, ball_at, &mut turns);
+        let mut walk = |j: usize, part: Part, start: &Pose| {
+            Walk::new(&chains[j], part, start, column, ball_at, &mut turns)
+        };
+        let mut frames = vec![Frame::BASE; mechanism.links().len()];
+        let mut placed = vec![Pose::identity(); frames.len()];
+        // What leads from the base to the first motion never changes.
+        let mut begin = |link: usize, walk: &mut Walk| {
+            if link > 0 {
+                return link;
+            }
+            frames.push(walk.begin());
+            frames.len() - 1
+        };
 
-        let tree: Vec<TreeEdge> = branches
-            .iter()
-            .map(|&(j, against)| {
-                let [first, second] = mechanism.joints()[j].links;
-                if against {
-                    TreeEdge { from: second, to: first, walk: walk(j, Part::Backward) }
-                } else {
-                    TreeEdge { from: first, to: second, walk: walk(j, Part::Forward) }
-                }
-            })
-            .collect();
+        let mut tree = Vec::with_capacity(branches.len());
+        for &(j, against) in &branches {
+            let [first, second] = mechanism.joints()[j].links;
+            let (from, to, part) = if against {
+                (second, first, Part::Backward)
+            } else {
+                (first, second, Part::Forward)
+            };
+            let (mut walk, behind) = walk(j, part, &placed[from]);
+            placed[to] = behind;
+            tree.push(TreeEdge { from, to, start: begin(from, &mut walk), walk });
+        }
         let mut row = 0;
         let mut closings: Vec<Closing> = cuts
             .iter()
@@ -209,7 +225,15 @@ impl PositionSolver {
                 // Both sides up to the excluded motion; else the frames behind all motions.
                 let count = chains[j].elements.len();
                 let (before, from) = opening(j).map_or((count, count), |e| (e, e + 1));
-                let sides = [walk(j, Part::Before(before)), walk(j, Part::From(from))];
+                let links = mechanism.joints()[j].links;
+                let mut side = |part: Part, link: usize| {
+                    let (walk, behind) = walk(j, part, &placed[link]);
+                    let mut walk = walk.with_tail(&behind);
+                    (begin(link, &mut walk), walk)
+                };
+                let (first_start, first_side) = side(Part::Before(before), links[0]);
+                let (second_start, second_side) = side(Part::From(from), links[1]);
+                let sides = [first_side, second_side];
                 let meeting = opening(j).map_or(Meeting::Frames, |e| {
                     let element = &chains[j].elements[e];
                     match element.factor {
@@ -217,11 +241,11 @@ impl PositionSolver {
                         _ => Meeting::Axes(element.coordinate),
                     }
                 });
-                let links = mechanism.joints()[j].links;
                 let first = row;
                 row += meeting.equations();
                 Closing {
                     links,
+                    starts: [first_start, second_start],
                     moved_by: moved_by(&tree, links, &sides),
                     sides,
                     meeting,
@@ -244,7 +268,8 @@ impl PositionSolver {
         let virtuals = unknowns.len() - passive;
         Ok(Self {
             start: vec![0.0; dimensions.len()],
-            links: vec![Frame::BASE; mechanism.links().len()],
+            frames,
+            placed,
             turns: vec![Turned::NONE; turns],
             orientations: vec![Matrix3::identity(); balls.len()],
             screws: vec![Screw::STILL; unknowns.len() + recorded.len()],
@@ -299,6 +324,16 @@ impl PositionSolver {
             return Err(Error::LengthMismatch { what, found, expected });
         }
         coordinates.iter().try_for_each(|&value| crate::error::finite(what, value).map(|_| ()))
+    }
+
+    /// Number of links.
+    pub(super) fn link_count(&self) -> usize {
+        self.placed.len()
+    }
+
+    /// Where a link was at the last evaluation.
+    pub(super) fn link_pose(&self, link: usize) -> Pose {
+        self.frames[link].pose() * self.placed[link]
     }
 
     /// Number of all coordinates.
@@ -366,52 +401,51 @@ impl PositionSolver {
 
     /// Walks all joints; the largest mismatch of a loop or coupling, in radians and characteristic lengths.
     pub(super) fn mismatch(&mut self, coordinates: &[f64]) -> f64 {
-        for TreeEdge { from, to, walk } in &self.tree {
-            let mut frame = self.links[*from];
-            walk.follow(
-                &mut frame,
+        for TreeEdge { start, to, walk, .. } in &self.tree {
+            self.frames[*to] = walk.follow(
+                &self.frames[*start],
                 coordinates,
                 &self.orientations,
                 &mut self.turns,
                 &mut self.screws,
             );
-            self.links[*to] = frame;
         }
-        let mut largest = 0.0_f64;
+        let per_length = self.length.recip();
+        let mut squares = 0.0_f64;
         for closing in &mut self.closings {
             for side in 0..2 {
-                let mut frame = self.links[closing.links[side]];
-                closing.sides[side].follow(
-                    &mut frame,
+                closing.frames[side] = closing.sides[side].follow(
+                    &self.frames[closing.starts[side]],
                     coordinates,
                     &self.orientations,
                     &mut self.turns,
                     &mut self.screws,
                 );
-                closing.frames[side] = frame;
             }
             let [first, second] = &closing.frames;
-            let apart = (first.origin - second.origin) / self.length;
+            let apart = (first.origin() - second.origin()) * per_length;
             let entries = &mut self.elimination.right[closing.row..];
             entries[..3].copy_from_slice((-apart).as_slice());
-            largest = larger(largest, apart.norm());
+            squares = larger(squares, apart.norm_squared());
             // Half turns leave no antisymmetric part behind, but are no closure: distances see them.
             let off = match closing.meeting {
                 Meeting::Points(_) => continue,
                 Meeting::Axes(_) => {
-                    let z = first.rotation.column(2);
-                    entries[3] = -second.rotation.column(0).dot(&z);
-                    entries[4] = -second.rotation.column(1).dot(&z);
-                    (z - second.rotation.column(2)).norm()
+                    let z = first.axis(2);
+                    entries[3] = -second.axis(0).dot(&z);
+                    entries[4] = -second.axis(1).dot(&z);
+                    (z - second.axis(2)).norm_squared()
                 }
                 Meeting::Frames => {
-                    let turned = skew_part(&(first.rotation * second.rotation.transpose()));
+                    let (first, second) = (first.rotation(), second.rotation());
+                    let turned = skew_part(&(first * second.transpose()));
                     entries[3..6].copy_from_slice((-turned).as_slice());
-                    (first.rotation - second.rotation).norm() / std::f64::consts::SQRT_2
+                    (first - second).norm_squared() * 0.5
                 }
             };
-            largest = larger(largest, off);
+            squares = larger(squares, off);
         }
+        let mut largest = squares.sqrt();
         for CoupledRow { equation, row, .. } in &self.couplings {
             let violation = equation.residual(|k| coordinates[k]);
             self.elimination.right[*row] = -violation;
@@ -422,18 +456,19 @@ impl PositionSolver {
 
     /// Factors the equations where [`Self::mismatch`] was.
     fn linearize(&mut self) {
+        let per_length = self.length.recip();
         for (l, closing) in self.closings.iter().enumerate() {
             let [first_side, second_side] = &closing.frames;
-            let z: Vector3<f64> = first_side.rotation.column(2).into_owned();
+            let z = first_side.axis(2);
             // How the components of the first z along the second x and y change with a turn.
-            let across = [0, 1].map(|axis| z.cross(&second_side.rotation.column(axis)));
+            let across = [0, 1].map(|axis| z.cross(&second_side.axis(axis)));
             let columns = self.elimination.columns_mut(l);
             for (entries, moved) in columns.zip(&closing.moved_by) {
                 let &SideUnknown { column, sense, side } = moved;
                 let screw = &self.screws[column];
                 let scale = sense * self.unknowns[column].unit;
                 let linear =
-                    screw.velocity_of(&closing.frames[side].origin) * (scale / self.length);
+                    screw.velocity_of(&closing.frames[side].origin()) * (scale * per_length);
                 entries[..3].copy_from_slice(linear.as_slice());
                 let angular = screw.angular * scale;
                 match closing.meeting {
@@ -479,12 +514,11 @@ impl PositionSolver {
             let [first, second] = &closing.frames;
             match closing.meeting {
                 Meeting::Points(ball) => {
-                    self.orientations[ball] = first.rotation.transpose() * second.rotation;
+                    self.orientations[ball] = first.rotation().tr_mul(&second.rotation());
                 }
                 Meeting::Axes(hinge) => {
-                    let x: Vector3<f64> = second.rotation.column(0).into_owned();
-                    let angle =
-                        first.rotation.column(1).dot(&x).atan2(first.rotation.column(0).dot(&x));
+                    let x = second.axis(0);
+                    let angle = first.axis(1).dot(&x).atan2(first.axis(0).dot(&x));
                     // As many full turns as the start had.
                     let turns = ((coordinates[hinge] - angle) / TAU).round();
                     coordinates[hinge] = angle + turns * TAU;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
+use super::frame::Frame;
 use crate::mechanism::joint::Factor;
 use crate::mechanism::kinematics::{Chain, Element};
 use crate::spatial::{Pose, tilt_rotation};
@@ -9,43 +10,23 @@ use crate::spatial::{Pose, tilt_rotation};
 /// Displacements that differ from none by less than this are none: round-off of their making.
 const NOTHING: f64 = 1e-15;
 
-/// Position and orientation of a frame in the base frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Frame {
-    pub(super) rotation: Matrix3<f64>,
-    pub(super) origin: Vector3<f64>,
-}
-
-impl Frame {
-    pub(super) const BASE: Self = Self {
-        rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
-        origin: Vector3::new(0.0, 0.0, 0.0),
-    };
-
-    pub(super) fn pose(&self) -> Pose {
-        let rotation = Rotation3::from_matrix_unchecked(self.rotation);
-        Pose::from_parts(Translation3::from(self.origin), rotation)
-    }
-
-    #[inline(always)]
-    fn displace(&mut self, by: &Lead) {
-        match by {
-            Lead::Nothing => {}
-            Lead::Shift(shift) => self.origin += self.rotation * shift,
-            Lead::Frame(by) => {
-                self.origin += self.rotation * by.origin;
-                self.rotation *= by.rotation;
-            }
-        }
-    }
-}
-
 /// A fixed displacement, as simple as it is.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Lead {
     Nothing,
     Shift(Vector3<f64>),
     Frame(Frame),
+}
+
+impl Lead {
+    #[inline(always)]
+    fn displace(&self, frame: &mut Frame) {
+        match self {
+            Self::Nothing => {}
+            Self::Shift(shift) => frame.shift(shift),
+            Self::Frame(by) => *frame = frame.displaced(by),
+        }
+    }
 }
 
 /// How a link moves with one coordinate, in the base frame.
@@ -125,14 +106,20 @@ pub(super) enum Part {
 }
 
 impl Walk {
-    /// Lays out a part of a chain; `column` and `ball` return the index of a coordinate among unknowns and balls, `turns` counts the turns so far.
+    /// Lays out a part of a chain up to its last motion; returns what follows as a pose behind it.
+    ///
+    /// # Arguments
+    /// * `start` – the frame of the first link, in the one from which it is walked
+    /// * `column`, `ball` – index of a coordinate among unknowns and balls
+    /// * `turns` – number of turns so far
     pub(super) fn new(
         chain: &Chain,
         part: Part,
+        start: &Pose,
         column: impl Fn(usize) -> Option<usize>,
         ball: impl Fn(usize) -> usize,
         turns: &mut usize,
-    ) -> Self {
+    ) -> (Self, Pose) {
         let count = chain.elements.len();
         let (elements, against): (&[Element], bool) = match part {
             Part::Forward => (&chain.elements, false),
@@ -140,7 +127,7 @@ impl Walk {
             Part::Before(end) => (&chain.elements[..end], false),
             Part::From(first) => (&chain.elements[first..], true),
         };
-        let (mut steps, mut pending) = (Vec::new(), Pose::identity());
+        let (mut steps, mut pending) = (Vec::new(), *start);
         let mut turn = || std::mem::replace(turns, *turns + 1);
         let mut push = |pending: &mut Pose, element: &Element| {
             let (to_z, motion) = match element.factor {
@@ -175,7 +162,20 @@ impl Walk {
                 _ => chain.end,
             };
         }
-        Self { steps, tail: lead(&pending) }
+        (Self { steps, tail: Lead::Nothing }, pending)
+    }
+
+    /// The same, with a displacement behind the last motion.
+    pub(super) fn with_tail(self, pose: &Pose) -> Self {
+        Self { tail: lead(pose), ..self }
+    }
+
+    /// Takes the displacement before the first motion off the chain; the frame that it leads to from the base.
+    pub(super) fn begin(&mut self) -> Frame {
+        let lead = self.steps.first_mut().map_or(&mut self.tail, |step| &mut step.lead);
+        let mut frame = Frame::BASE;
+        std::mem::replace(lead, Lead::Nothing).displace(&mut frame);
+        frame
     }
 
     /// Columns of the unknowns in the chain.
@@ -196,60 +196,62 @@ impl Walk {
         })
     }
 
-    /// Moves a frame along, and records the screws of the unknowns.
+    /// The frame behind the chain, from the one before it; records the screws of the unknowns.
     #[inline]
     pub(super) fn follow(
         &self,
-        frame: &mut Frame,
+        start: &Frame,
         coordinates: &[f64],
         balls: &[Matrix3<f64>],
         turns: &mut [Turned],
         screws: &mut [Screw],
-    ) {
+    ) -> Frame {
+        let mut frame = *start;
         for step in &self.steps {
-            frame.displace(&step.lead);
+            step.lead.displace(&mut frame);
             match step.motion {
                 Motion::Turn(turn) | Motion::Screw(turn, _) => {
                     let angle = step.sign * coordinates[step.coordinate];
-                    let z: Vector3<f64> = frame.rotation.column(2).into_owned();
-                    let advance = match step.motion {
-                        Motion::Screw(_, lead) => z * lead,
-                        _ => Vector3::zeros(),
+                    let lead = match step.motion {
+                        Motion::Screw(_, lead) => lead,
+                        _ => 0.0,
                     };
                     if let Some(column) = step.column {
-                        let (angular, linear) = (z * step.sign, advance * step.sign);
-                        screws[column] = Screw { angular, linear, at: frame.origin };
+                        let angular = frame.axis(2) * step.sign;
+                        screws[column] =
+                            Screw { angular, linear: angular * lead, at: frame.origin() };
                     }
-                    frame.origin += advance * angle;
-                    turns[turn].to(angle);
-                    turns[turn].about_z(&mut frame.rotation);
+                    frame.advance_along_z(lead * angle);
+                    let turned = &mut turns[turn];
+                    turned.to(angle);
+                    frame.turn_about_z(turned.sine, turned.cosine);
                 }
                 Motion::Slide(axis) => {
-                    let direction = frame.rotation * axis * step.sign;
                     if let Some(column) = step.column {
-                        screws[column] = Screw { linear: direction, ..Screw::STILL };
+                        let linear = frame.direction(&axis) * step.sign;
+                        screws[column] = Screw { linear, ..Screw::STILL };
                     }
-                    frame.origin += direction * coordinates[step.coordinate];
+                    frame.advance(&axis, step.sign * coordinates[step.coordinate]);
                 }
                 Motion::Ball(ball) => {
                     let forward = step.sign > 0.0;
-                    let before = frame.rotation;
+                    let before = frame;
                     let turn = &balls[ball];
-                    frame.rotation =
-                        if forward { before * turn } else { before * turn.transpose() };
+                    frame.turn(&if forward { *turn } else { turn.transpose() });
                     if let Some(column) = step.column {
                         // The axes of the side that the ball's coordinates turn.
-                        let axes = if forward { &frame.rotation } else { &before };
-                        for (k, axis) in axes.column_iter().enumerate() {
-                            let angular = axis * step.sign;
-                            screws[column + k] =
-                                Screw { angular, linear: Vector3::zeros(), at: frame.origin };
+                        let turning = if forward { &frame } else { &before };
+                        for (k, screw) in screws[column..column + 3].iter_mut().enumerate() {
+                            let angular = turning.axis(k) * step.sign;
+                            *screw =
+                                Screw { angular, linear: Vector3::zeros(), at: frame.origin() };
                         }
                     }
                 }
             }
         }
-        frame.displace(&self.tail);
+        self.tail.displace(&mut frame);
+        frame
     }
 }
 
@@ -293,28 +295,16 @@ impl Turned {
             (self.sine, self.cosine) = angle.sin_cos();
         } else {
             let square = step * step;
-            let sine = step
-                * (1.0
-                    - square / 6.0
-                        * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))));
-            let versine = 0.5
-                * square
-                * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)));
+            let less = |share: f64, rest: f64| 1.0 - square * share * rest;
+            let sine =
+                step * less(1.0 / 6.0, less(1.0 / 20.0, less(1.0 / 42.0, less(1.0 / 72.0, 1.0))));
+            let versine = 0.5 * square * less(1.0 / 12.0, less(1.0 / 30.0, less(1.0 / 56.0, 1.0)));
             (self.sine, self.cosine) = (
                 self.sine - self.sine * versine + self.cosine * sine,
                 self.cosine - self.cosine * versine - self.sine * sine,
             );
         }
         self.angle = angle;
-    }
-
-    #[inline(always)]
-    fn about_z(&self, rotation: &mut Matrix3<f64>) {
-        for row in 0..3 {
-            let (x, y) = (rotation[(row, 0)], rotation[(row, 1)]);
-            rotation[(row, 0)] = self.cosine * x + self.sine * y;
-            rotation[(row, 1)] = self.cosine * y - self.sine * x;
-        }
     }
 }
 
@@ -334,7 +324,7 @@ fn lead(pose: &Pose) -> Lead {
     let rotation = *pose.rotation.matrix();
     let origin = pose.translation.vector;
     if (rotation - Matrix3::identity()).amax() > NOTHING {
-        Lead::Frame(Frame { rotation, origin })
+        Lead::Frame(Frame::new(&rotation, &origin))
     } else if origin.amax() > 0.0 {
         Lead::Shift(origin)
     } else {
