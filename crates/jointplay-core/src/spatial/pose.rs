@@ -40,13 +40,28 @@ pub fn tilt_rotation(normal: &Vector3<f64>) -> Rotation3<f64> {
     ))
 }
 
+/// Twice the cosine of a turn below which its axis is not found from the antisymmetric part.
+const NEARLY_HALF: f64 = -1.8;
+
 /// Axis times angle of a rotation, the angle from 0 to π (rad).
 ///
 /// # Numerics
-/// By the quaternion, exact to round-off everywhere; from the cosine of the angle it would be off by 10⁻⁸ for small turns, and not a number where round-off puts the cosine above one.
+/// Exact to round-off everywhere: by the antisymmetric part, and near half turns, where that vanishes, by the quaternion.
+/// From the cosine of the angle it would be off by 10⁻⁸ for small turns, and not a number where round-off puts the cosine above one.
 #[must_use]
 pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
-    UnitQuaternion::from_rotation_matrix(rotation).scaled_axis()
+    let m = rotation.matrix();
+    // 2 cos θ, and 2 sin θ times the axis.
+    let cosine = m.m11 + m.m22 + m.m33 - 1.0;
+    let vector = Vector3::new(m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12);
+    let sine = sqrt(vector.norm_squared());
+    if cosine < NEARLY_HALF {
+        UnitQuaternion::from_rotation_matrix(rotation).scaled_axis()
+    } else if sine == 0.0 {
+        vector
+    } else {
+        vector * (libm::atan2(sine, cosine) / sine)
+    }
 }
 
 /// The pose that carries three points of a platform's own plane onto three points of space, fitted within the plane.

@@ -13,6 +13,7 @@ mod lane_elimination;
 mod lane_frame;
 mod least_displacement;
 mod many;
+mod newton_step;
 mod opening;
 mod solver;
 mod unknown;

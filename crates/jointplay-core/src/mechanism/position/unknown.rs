@@ -17,6 +17,8 @@ pub(super) struct Ball {
     pub(super) coordinate: usize,
     /// Its first column, if it is in the tree and moves.
     pub(super) column: Option<usize>,
+    /// Whether a loop is opened there.
+    pub(super) opened: bool,
 }
 
 /// A coordinate that is solved for.
