@@ -1,8 +1,11 @@
 //! Fast positions where there are none, and again.
 
+use std::f64::consts::TAU;
+
 use crate::robot;
 
 use jointplay_core::Error;
+use jointplay_core::bulk::Status;
 use jointplay_core::mechanism::{
     CommandedPositions, Joint, JointKind, Mechanism, MechanismSystem, PositionSolver, ReliefSolver,
 };
@@ -108,6 +111,30 @@ fn a_solver_does_not_remember() {
     }
 }
 
+/// The rotation vector of a commanded ball is what was commanded, also beyond half a turn, where another one is shorter.
+#[test]
+fn a_commanded_ball_keeps_its_coordinates() {
+    let mut joints: Vec<Joint> = four_bar().joints().to_vec();
+    joints[..3].iter_mut().for_each(|joint| joint.kind = JointKind::Spherical);
+    let mechanism = Mechanism::new("with balls", names(4), joints).unwrap();
+    let rest = DVector::zeros(mechanism.joint_freedoms());
+    let system = MechanismSystem::new(&mechanism, rest.clone()).unwrap();
+    let mut solver = PositionSolver::new(&system, &[0, 1, 2]).unwrap();
+    for command in [[0.0, 0.0, 0.2], [0.01, -0.02, 0.1], [0.0, 0.0, TAU + 0.2]] {
+        let mut one = rest.clone();
+        one.rows_mut(0, 3).copy_from_slice(&command);
+        let mut many = one.clone();
+        solver.solve(one.as_mut_slice(), ReliefSolver::Newton).unwrap();
+        let (residual, status) = (&mut [0.0], &mut [Status::Solved]);
+        solver.solve_many(many.as_mut_slice(), ReliefSolver::Newton, residual, status).unwrap();
+        assert_eq!(status, &[Status::Solved]);
+        for found in [one, many] {
+            assert_eq!(found.as_slice()[..3], command);
+            assert!(mismatch(&system, &found) < 1e-12, "{found}");
+        }
+    }
+}
+
 /// A crank of 1, a coupler of 2.5 and a rocker of 3 on a base of 3.5, the crank along the base at first.
 fn crank_rocker() -> (Mechanism, [f64; 2]) {
     let reach: f64 = 2.5;
@@ -143,8 +170,8 @@ fn a_position_far_away_is_found_on_the_branch_of_the_start() {
         assert_eq!(found[0], crank);
         // Joint D turns the base against the rocker.
         let expected = rocker(0.0) - rocker(crank);
-        let turns = ((found[3] - expected) / std::f64::consts::TAU).round();
-        let error = found[3] - expected - turns * std::f64::consts::TAU;
+        let turns = ((found[3] - expected) / TAU).round();
+        let error = found[3] - expected - turns * TAU;
         assert!(error.abs() < 1e-10, "{degrees}°: {} {expected}", found[3]);
         let mut again = home.clone();
         positions.follow(&linkage, &[crank], &mut again, ReliefSolver::LeastNorm).unwrap();

@@ -213,6 +213,9 @@ mod tests {
             Vector3::new(1e-9, -2e-9, 3e-9),
             Vector3::new(1e-4, 0.0, 0.0),
             Vector3::new(1.0, 2.0, -1.0),
+            // On both sides of the change of method, at 2.69 rad.
+            Vector3::new(2.6, 0.3, 0.55),
+            Vector3::new(2.6, 0.3, 0.65),
             Vector3::new(0.0, half - 1e-9, 0.0),
             Vector3::new(0.0, 0.0, half),
         ] {

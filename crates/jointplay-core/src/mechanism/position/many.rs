@@ -326,7 +326,7 @@ impl<'a, S: Simd> Room<'a, S> {
         }
     }
 
-    /// Coordinates of the hinges at which loops are open, and of all balls.
+    /// Coordinates of the hinges at which loops are open, and of all balls that move.
     #[inline(always)]
     fn close_openings(&mut self, solver: &PositionSolver) {
         for (Closing { meeting, .. }, [first, second]) in solver.closings.iter().zip(&self.sides) {
@@ -348,6 +348,9 @@ impl<'a, S: Simd> Room<'a, S> {
             }
         }
         for (turn, ball) in self.orientations.iter().zip(&solver.balls) {
+            if ball.is_commanded() {
+                continue;
+            }
             let vector = rotation_vector_of(self.simd, turn);
             self.coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(&vector);
         }

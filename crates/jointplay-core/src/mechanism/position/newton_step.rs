@@ -141,7 +141,7 @@ impl PositionSolver {
         step[self.passive..].iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
-    /// Coordinates of the hinges at which loops are open, and of all balls.
+    /// Coordinates of the hinges at which loops are open, and of all balls that move.
     pub(super) fn close_openings(&mut self, coordinates: &mut [f64]) {
         for closing in &self.closings {
             let [first, second] = &closing.frames;
@@ -159,7 +159,8 @@ impl PositionSolver {
                 Meeting::Frames => {}
             }
         }
-        for (turn, ball) in self.orientations.iter().zip(&self.balls) {
+        let balls = self.orientations.iter().zip(&self.balls);
+        for (turn, ball) in balls.filter(|(_, ball)| !ball.is_commanded()) {
             let vector = rotation_vector(&Rotation3::from_matrix_unchecked(*turn));
             coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
         }

@@ -21,6 +21,13 @@ pub(super) struct Ball {
     pub(super) opened: bool,
 }
 
+impl Ball {
+    /// Whether it keeps its coordinates.
+    pub(super) fn is_commanded(&self) -> bool {
+        self.column.is_none() && !self.opened
+    }
+}
+
 /// A coordinate that is solved for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Unknown {
