@@ -409,8 +409,7 @@ def test_relieve(ask):
     displacements = [joint["displacement"] for joint in report["virtual_joints"]]
     np.testing.assert_allclose(found.virtual_joints * 1e6, displacements, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(found.singular_values, report["singular_values"], rtol=1e-9)
-    # The three numbers of a ball are read from its rotation.
-    assert found.configuration["S1[1]"] == pytest.approx(0.1 * DEG, rel=1e-14) and np.isnan(found.clearances).all()
+    assert found.configuration["S1[1]"] == 0.1 * DEG and np.isnan(found.clearances).all()
     with pytest.raises(jp.InputError, match="no virtual joints"):
         jp.Mechanism.from_catalogue("four-bar").relieve({"A": 1})
     with pytest.raises(jp.InputError, match="freedoms: choose one of"):

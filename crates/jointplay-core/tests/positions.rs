@@ -8,6 +8,7 @@ use jointplay_core::Error;
 use jointplay_core::bulk::Status;
 use jointplay_core::mechanism::{
     CommandedPositions, Joint, JointKind, Mechanism, MechanismSystem, PositionSolver, ReliefSolver,
+    relieve_commanded,
 };
 use jointplay_core::nalgebra::DVector;
 
@@ -198,5 +199,17 @@ fn a_position_beyond_a_dead_point_is_not_found_on_the_other_branch() {
         assert!((share * beyond - 1.0).abs() < 1e-2, "{share} of {beyond}");
         assert!((found[0] - share * commanded).abs() < 1e-12);
         assert!(error.is_infeasible());
+    }
+}
+
+/// Of a ball whose numbers are commanded in part, each keeps its value to the last bit.
+#[test]
+fn a_commanded_number_of_a_ball_keeps_its_value() {
+    let mechanism = gpr(polar);
+    for k in [1, 2] {
+        for degrees in [0.1_f64, 0.2, 1.5] {
+            let found = relieve_commanded(&mechanism, &[(k, degrees.to_radians())], None).unwrap();
+            assert_eq!(found.coordinates[k], degrees.to_radians());
+        }
     }
 }

@@ -159,7 +159,11 @@ impl<'a> Kinematics<'a> {
         for element in self.chains.iter().flat_map(|chain| &chain.elements) {
             if matches!(element.factor, Factor::Ball) {
                 let k = element.coordinate;
-                let rotation = ball(home, k) * cayley(&by.fixed_rows::<3>(k).into_owned());
+                let turn = by.fixed_rows::<3>(k).into_owned();
+                if turn == Vector3::zeros() {
+                    continue;
+                }
+                let rotation = ball(home, k) * cayley(&turn);
                 moved.fixed_rows_mut::<3>(k).copy_from(&rotation_vector(&rotation));
             }
         }

@@ -250,7 +250,12 @@ fn relieved_from(
             by[k] = *value;
         }
         by.rows_mut(f, roots.len()).copy_from(&step.component_div(&roots));
-        here = here.moved(&by)?;
+        let mut there = here.kinematics().moved(here.home(), &by);
+        // A ball of which one number is commanded turns by the others.
+        for &k in &commanded.coordinates {
+            there[k] = start.home()[k];
+        }
+        here = here.moved_to(there)?;
         let after = here.mismatch(&here.at_home());
         // By stiffness, a displacement of one length has a size of many.
         let unit = length * roots.iter().copied().fold(1.0, f64::max);

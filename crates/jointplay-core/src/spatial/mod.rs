@@ -5,6 +5,8 @@ mod quaternion;
 mod tilt;
 mod twist;
 
+#[cfg(feature = "std")]
+pub(crate) use pose::NEARLY_HALF;
 pub use pose::{Pose, fit_in_plane, heading, rotation_vector, tilt_rotation};
 pub use quaternion::{continued_quaternion, quaternion_rate};
 pub use tilt::Tilt;

@@ -40,8 +40,8 @@ pub fn tilt_rotation(normal: &Vector3<f64>) -> Rotation3<f64> {
     ))
 }
 
-/// Twice the cosine of a turn below which its axis is not found from the antisymmetric part.
-const NEARLY_HALF: f64 = -1.8;
+/// Cosines of turns below this are of nearly half a turn, whose axis the antisymmetric part does not show.
+pub(crate) const NEARLY_HALF: f64 = -0.9;
 
 /// Axis times angle of a rotation, the angle from 0 to π (rad).
 ///
@@ -51,9 +51,8 @@ const NEARLY_HALF: f64 = -1.8;
 #[must_use]
 pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
     let m = rotation.matrix();
-    // 2 cos θ, and 2 sin θ times the axis.
-    let cosine = m.m11 + m.m22 + m.m33 - 1.0;
-    let vector = Vector3::new(m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12);
+    let cosine = (m.m11 + m.m22 + m.m33 - 1.0) * 0.5;
+    let vector = Vector3::new(m.m32 - m.m23, m.m13 - m.m31, m.m21 - m.m12) * 0.5;
     let sine = sqrt(vector.norm_squared());
     if cosine < NEARLY_HALF {
         UnitQuaternion::from_rotation_matrix(rotation).scaled_axis()

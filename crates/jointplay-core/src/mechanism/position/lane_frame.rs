@@ -6,7 +6,7 @@ use pulp::Simd;
 use super::frame::Frame;
 use super::walk::{Lead, Motion, Walk};
 use crate::kernel::{Lanes, angle_of, sin_cos};
-use crate::spatial::rotation_vector;
+use crate::spatial::{NEARLY_HALF, rotation_vector};
 
 /// Three numbers of each configuration.
 pub(super) type Three<S> = [Lanes<S>; 3];
@@ -29,8 +29,6 @@ pub(super) struct LaneScrew<S: Simd> {
 
 /// Lengths of rotation vectors, and sines, below which their ratio is one (rad).
 const TINY: f64 = 1e-100;
-/// Cosines of turns below this are of nearly half a turn, whose axis the antisymmetric part does not show.
-const NEARLY_HALF: f64 = -0.9;
 
 /// Three values by their index; a closure would not be inlined, and be compiled without the machine's wide instructions.
 macro_rules! three {
