@@ -10,9 +10,9 @@ STEPS = 100
 
 
 def gpr(work, answers, newton, least):
-    """What answers are worth: X alone (6 numbers: l, then φ), or rotation, point and X (18).
+    """Errors of answers, which are X (6 numbers: l, then φ), or rotation, point and X (18).
 
-    Gaps are of sides, and of sockets from balls where there is a pose; distances are from reference solutions, a turn counted as its arc at the socket.
+    Gaps are errors of the sides, and with a pose distances of sockets from balls; distances from reference solutions multiply angles by the socket radius.
     """
     answered = [k for k, answer in enumerate(answers) if answer]
     if not answered:
@@ -37,14 +37,14 @@ def gpr(work, answers, newton, least):
 
 
 def inverse(work, answers):
-    """Differences of rod lengths from those that jointplay found pose by pose."""
+    """Differences between rod lengths of the answers and those that jointplay computes pose by pose."""
     answered = [k for k, answer in enumerate(answers) if answer]
-    apart = np.abs(np.array([answers[k] for k in answered]) - work.poses[answered]).max(axis=1)
-    return {"answered": len(answered), "closed": int((apart <= work.gap).sum()), "largest_gap_m": float(apart.max())}
+    differences = np.abs(np.array([answers[k] for k in answered]) - work.poses[answered]).max(axis=1)
+    return {"answered": len(answered), "closed": int((differences <= work.gap).sum()), "largest_gap_m": float(differences.max())}
 
 
 def reference(work, least):
-    """X of every pose by Newton's iteration or to the least displacement, without any haste."""
+    """Reference solution X of every pose, by Newton's iteration or with the least displacement; not optimized for speed."""
     wanted = lengths(balls(work, work.poses)) ** 2
     nominal = np.concatenate([work.radius, np.zeros(3)])
     compliance = np.concatenate([np.ones(3), np.full(3, work.metric**-2)])
@@ -59,14 +59,14 @@ def reference(work, least):
         weighted = compliance[:, None] * jacobian.transpose(0, 2, 1)
         found = np.einsum("nij,nj->ni", weighted, np.linalg.solve(jacobian @ weighted, target[..., None])[..., 0])
         found = nominal + found if least else own + found
-        # Newton's ends where its sides are met, as everybody's does; the least displacement at its round-off.
+        # Newton's iteration ends when the sides are within the gap, as in all programs; the least displacement ends at round-off.
         met = np.abs(np.sqrt(wanted[going]) - lengths(points)).max(axis=1) <= work.gap
         done = np.abs(found - own).max(axis=1) <= 1e-15 if least else met
         x[going] = np.where((met & ~np.array(least))[:, None], own, found)
         going[going] = ~done
         if not going.any():
             return x
-    # The least displacement circles at the size of round-off.
+    # The iteration of the least displacement fluctuates at the size of round-off.
     return x
 
 
@@ -76,18 +76,18 @@ def balls(work, rods):
 
 
 def sockets(work, x):
-    """p_k(X) in the platform plane."""
+    """Sockets p_k(X) in the platform plane."""
     heading = np.arctan2(work.direction[:, 1], work.direction[:, 0]) + x[:, 3:]
     return x[:, :3, None] * np.stack([np.cos(heading), np.sin(heading)], axis=2)
 
 
 def lengths(points):
-    """Sides 01, 12, 20."""
+    """Lengths of the sides 01, 12, 20."""
     return np.linalg.norm(points[:, NEXT] - points, axis=2)
 
 
 def derivatives(work, x, points):
-    """Of the squared sides by X: rows are sides."""
+    """Derivatives of the squared sides by X, one row for each side."""
     edges = 2 * (points[:, NEXT] - points)
     along = points / x[:, :3, None]
     across = np.stack([-points[..., 1], points[..., 0]], axis=2)
@@ -100,7 +100,7 @@ def derivatives(work, x, points):
 
 
 def linkage(work, answers):
-    """Gaps of the loops: of points in metres, of directions in radians."""
+    """Largest gaps of the loops, of points in metres and of directions in radians."""
     gaps = [float(np.abs(work.gaps(np.array(answer))).max()) for answer in answers if answer]
     return {
         "answered": len(gaps),

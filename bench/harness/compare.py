@@ -1,4 +1,4 @@
-"""The works of the bench, one after the other: `compare.py BUILD OUT ROUNDS WORK…`; bench/run.py calls it."""
+"""Runs the workloads of the bench in sequence: `compare.py BUILD OUT ROUNDS WORK…`; bench/run.py calls it."""
 
 import datetime
 import importlib.metadata
@@ -45,7 +45,7 @@ def main(build, out, rounds, only):
 
 
 def linkages(build, folder, rounds):
-    """Positions of catalogue mechanisms along a drive, each from the one before."""
+    """Positions of catalogue mechanisms along a drive, each with the previous one as the initial guess."""
     works = {}
     for name in LINKAGES:
         note(name)
@@ -72,11 +72,11 @@ def linkages(build, folder, rounds):
 
 
 def words(build, folder):
-    """The results of each program on mechanisms, by program."""
+    """Results of each program for mechanisms, by program."""
     subprocess.run([build / "jointplay", "words", folder], check=True)
     results = {"jointplay": json.loads((folder / "jointplay.json").read_text())}
     for name in ["pinocchio", "mujoco", "drake", "exudyn"]:
-        note(f"asking {name}")
+        note(f"running {name}")
         try:
             done = subprocess.run(
                 [sys.executable, HERE / "words.py", name, folder], capture_output=True, text=True, timeout=300, cwd=build
@@ -90,7 +90,7 @@ def words(build, folder):
 
 
 def scaling(build):
-    """How long jointplay takes for mechanisms of many loops, by family."""
+    """Computation times of jointplay for mechanisms with many loops, by family."""
     families = {}
     for family in ["scissor-lift", "bennett-row"]:
         families[family] = []
@@ -104,10 +104,10 @@ def scaling(build):
 
 
 def circumstances(missing):
-    """When, where, and with which versions."""
+    """Date, machine and versions of the run."""
 
     def output(*command):
-        """The first line that a command prints."""
+        """First line of the output of a command."""
         try:
             return subprocess.run(command, capture_output=True, text=True).stdout.splitlines()[0]
         except (FileNotFoundError, IndexError):

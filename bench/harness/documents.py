@@ -1,6 +1,6 @@
 """Writes tables of the results into README.md and the performance page: `documents.py RESULTS ROOT`; bench/run.py calls it.
 
-A table is between a line `<!-- bench: NAME -->` and a line `<!-- bench: end -->`, which stay.
+A table is between a line `<!-- bench: NAME -->` and a line `<!-- bench: end -->`, which remain.
 """
 
 import re
@@ -13,7 +13,7 @@ from quantities import figures, quantity, rate, time
 
 PAGES = ("README.md", "docs/explanation/performance.md")
 BLOCK = re.compile(r"(<!-- bench: (?!end)([a-z-]+) -->\n).*?(<!-- bench: end -->)", re.DOTALL)
-# Rows of the table of the README: row of the ratios, and what the programs are given.
+# Rows of the table of the README: row of the ratios, and input of the programs.
 SHOWN = {
     "polar, X": "equations of the robot, many poses at a time",
     "polar, X and pose": "the same, with pose",
@@ -32,7 +32,7 @@ def main(results, root):
 
 
 def filled(text, tables):
-    """A page with its tables replaced; tables without results stay as they are."""
+    """Page with new tables; tables without results remain unchanged."""
 
     def block(match):
         begin, name, end = match.groups()
@@ -45,7 +45,7 @@ def filled(text, tables):
 
 
 def amounts(row):
-    """Numbers of jointplay and of the other, in the unit of the row."""
+    """Numbers of jointplay and of the other program, in the unit of the row."""
     if "own" in row:
         return f"{quantity(row['own'])}/s", f"{quantity(row['other'])}/s"
     return time(row["own_s"]), time(row["other_s"])
@@ -98,7 +98,7 @@ def programs(family):
 
 
 def of_robot(lines):
-    """The table among the lines of a section of the robot's report."""
+    """Function that returns the table within a section of the report of the robot."""
 
     def table(documents):
         if "gpr" not in documents:

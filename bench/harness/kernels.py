@@ -1,4 +1,4 @@
-"""Builds the closed equations in C: every kernel by every compiler and set of flags, of which the bench takes the quickest."""
+"""Builds the closed equations in C: each kernel with each compiler and set of flags; the bench selects the fastest."""
 
 import json
 import os
@@ -6,7 +6,7 @@ from pathlib import Path
 
 FLAGS = ["-O3", "-march=native"]
 MATH = ["-fno-math-errno", "-ffast-math"]
-# What a source answers, where it is not everything.
+# Supported answers of sources that do not support all of them.
 ANSWERS = {"loop.c": ["x"], "casadi.c": ["x", "least"]}
 # Name, source in peers/closed, definitions.
 HAND = [
@@ -19,7 +19,7 @@ HAND = [
 
 
 def build(build_folder, peers, python, run, reason):
-    """Writes what was built to closed.json; returns what could not be built, with the reason."""
+    """Builds the kernels, and lists them in closed.json; returns the failed builds with their reasons."""
     out = build_folder / "closed"
     out.mkdir(exist_ok=True)
     kernels, missing = list(HAND), {}
@@ -58,7 +58,7 @@ def build(build_folder, peers, python, run, reason):
 
 
 def compilers(run):
-    """C compilers that are there, and how they call themselves."""
+    """Versions of the installed C compilers, by name."""
     clangs = sorted(Path("/usr/bin").glob("clang-[0-9]*"), key=lambda path: int(path.name.split("-")[1]))
     names = [os.environ.get("CC", "cc"), *(["clang"] if not clangs else [str(clangs[-1])])]
     versions = {name: run([name, "--version"]).stdout.split("\n")[0] for name in names}

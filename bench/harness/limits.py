@@ -1,4 +1,4 @@
-"""What the machine can do at most, and what share of it jointplay reaches: bytes moved and operations counted."""
+"""Limits of the machine, and the share of them that jointplay reaches, in bytes and operations."""
 
 import re
 import subprocess
@@ -8,13 +8,13 @@ from pathlib import Path
 import workers
 
 HERE = Path(__file__).resolve().parent
-# Arithmetic on doubles as objdump writes it, and what one of a lane is counted as.
+# Arithmetic instructions for doubles in the output of objdump, and the number of lanes of each register.
 ARITHMETIC = re.compile(r"v?(add|sub|mul|div|sqrt|rcp14|rsqrt14|fn?m(?:add|sub|addsub|subadd)(?:132|213|231))(sd|pd)$")
 LANES = {"zmm": 8, "ymm": 4, "xmm": 2}
 
 
 def build(out, run, reason):
-    """Compiles the two helpers; returns what could not be, with the reason."""
+    """Compiles the two helper programs; returns the failed builds with their reasons."""
     missing = {}
     for name, compiler, flags in (
         ("machine.cpp", "c++", ["-O3", "-march=native", "-std=c++17"]),
@@ -27,7 +27,7 @@ def build(out, run, reason):
 
 
 def machine(build, footprints, rounds, folder, note):
-    """Operations per second, and bytes per second of copies of so many bytes."""
+    """Operations per second, and bytes per second of copies of each footprint."""
     asked = {name: [build / "machine", name, 0] for name in ("fma", "divide", "root")}
     asked |= {f"copy {size}": [build / "machine", "copy", size] for size in footprints}
     found = workers.compare(asked, rounds, folder, note)
@@ -36,28 +36,28 @@ def machine(build, footprints, rounds, folder, note):
     }
 
 
-def operations(build, command, ask):
-    """Arithmetic that a worker executes for what it is asked, from its instructions one by one."""
+def operations(build, command, request):
+    """Arithmetic operations that a worker executes for a command, counted from its instructions by single-stepping."""
     worker = workers.Worker(command)
-    worker._ask(ask)
+    worker._ask(request)
     pid = worker.process.pid
     stepping = subprocess.Popen(
         [build / "steps", str(pid)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     if stepping.stdout.readline().strip() != "attached":
-        raise workers.Failed(f"its instructions cannot be counted: {stepping.stderr.read().strip()}")
+        raise workers.Failed(f"instructions cannot be counted: {stepping.stderr.read().strip()}")
     files = mapped(pid)
-    worker._ask(ask)
+    worker._ask(request)
     lines, errors = stepping.communicate()
     worker.close()
     if stepping.returncode != 0:
-        raise workers.Failed(f"its instructions cannot be counted: {errors.strip()}")
+        raise workers.Failed(f"instructions cannot be counted: {errors.strip()}")
     executed = [(int(address, 16), int(count)) for address, count in map(str.split, lines.splitlines())]
     return sort(executed, files)
 
 
 def mapped(pid):
-    """Where files lie in the memory of a process: start, end, base, path."""
+    """Files in the memory map of a process: start, end, base, path."""
     base, found = {}, []
     for line in Path(f"/proc/{pid}/maps").read_text().splitlines():
         span, _, _, _, _, *path = line.split()
@@ -70,7 +70,7 @@ def mapped(pid):
 
 
 def sort(executed, files):
-    """Instructions by what they do: floating operations, divisions, roots, everything."""
+    """Counts of all instructions, floating-point operations, divisions and roots."""
     counts, names = Counter(), {}
     for address, count in executed:
         counts["instructions"] += count
@@ -94,14 +94,14 @@ def sort(executed, files):
 
 
 def disassembled(path):
-    """Text of each instruction of a file by its address."""
+    """Text of each instruction of a file, by address."""
     listing = subprocess.run(["objdump", "-d", "--no-show-raw-insn", path], capture_output=True, text=True)
     pairs = (line.split(":\t", 1) for line in listing.stdout.splitlines() if ":\t" in line)
     return {int(address, 16): text for address, text in pairs}
 
 
 def bound(figure, rates):
-    """Poses per second that bytes, operations, and divisions and roots allow each; the least counts."""
+    """Poses per second that each limit allows: bytes, operations, and divisions with roots; the smallest is the bound."""
     allowed = {}
     if copied := rates.get(f"copy {figure['footprint']}"):
         allowed["bytes"] = copied / figure["bytes"]

@@ -1,7 +1,7 @@
-// What this core can do at most, as a worker: `machine copy BYTES`, `machine fma 0`, `machine divide 0`, `machine root 0`.
+// Measures the limits of one core, as a worker: `machine copy BYTES`, `machine fma 0`, `machine divide 0`, `machine root 0`.
 //
-// Prints "ready", answers "run N" by doing N times as much, and "write FILE" by how much one time is: bytes read and
-// written, or operations.
+// The worker prints "ready". "run N" repeats its operation N times; "write FILE" writes the amount of one repetition: bytes
+// read and written, or floating-point operations.
 #include <immintrin.h>
 
 #include <cstdio>
@@ -27,11 +27,11 @@ inline Vector root(Vector a) { return _mm_sqrt_pd(a); }
 #endif
 
 constexpr int LANES = sizeof(Vector) / sizeof(double);
-// More than the latency of an FMA times the units that do it.
+// Exceeds the latency of an FMA times the number of FMA units.
 constexpr int CHAINS = 16;
 constexpr long STEPS = 100000;
 
-// Chains that do not wait for each other; the sum keeps the compiler from leaving them out.
+// Evaluates independent chains of operations; their sum prevents the compiler from removing them.
 template <class Step>
 double chains(Step step) {
   Vector own[CHAINS];
@@ -50,7 +50,7 @@ double chains(Step step) {
 
 int main(int count, char** words) {
   if (count != 3) {
-    std::cerr << "say: copy BYTES, fma 0, divide 0 or root 0\n";
+    std::cerr << "usage: machine copy BYTES | fma 0 | divide 0 | root 0\n";
     return 2;
   }
   const std::string what = words[1];
@@ -64,24 +64,24 @@ int main(int count, char** words) {
     to.assign(half, 2);
     amount = 2.0 * half * times;
   }
-  volatile double kept = 0, given = 0.999999;
-  const Vector factor = all(given), small = all(1e-6);
+  volatile double sink = 0, source = 0.999999;
+  const Vector factor = all(source), small = all(1e-6);
   std::cout << "ready" << std::endl;
   std::string line;
   while (std::getline(std::cin, line)) {
-    std::istringstream said(line);
-    std::string ask, rest;
-    said >> ask >> rest;
-    if (ask == "write") {
-      std::ofstream(rest) << amount << "\n";
+    std::istringstream words_of_line(line);
+    std::string command, argument;
+    words_of_line >> command >> argument;
+    if (command == "write") {
+      std::ofstream(argument) << amount << "\n";
     } else {
-      for (int left = std::stoi(rest); left > 0; --left) {
-        if (what == "fma") kept = kept + chains([&](Vector a) { return a * factor + small; });
-        if (what == "divide") kept = kept + chains([&](Vector a) { return factor / a; });
-        if (what == "root") kept = kept + chains([&](Vector a) { return root(a); });
+      for (int left = std::stoi(argument); left > 0; --left) {
+        if (what == "fma") sink = sink + chains([&](Vector a) { return a * factor + small; });
+        if (what == "divide") sink = sink + chains([&](Vector a) { return factor / a; });
+        if (what == "root") sink = sink + chains([&](Vector a) { return root(a); });
         for (size_t at = 0; what == "copy" && at < times; ++at) {
           std::memcpy(to.data(), from.data(), half);
-          // The compiler may not leave out a copy that is made again.
+          // Prevents the compiler from removing repeated copies.
           asm volatile("" : : "r"(to.data()) : "memory");
         }
       }

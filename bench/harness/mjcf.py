@@ -1,4 +1,4 @@
-"""The work of the bench as models of MuJoCo."""
+"""Writes the workloads of the bench as models of MuJoCo."""
 
 from work import quaternion
 
@@ -6,7 +6,7 @@ HEAD = """<mujoco>
   <compiler angle="radian" inertiafromgeom="false"/>
   <option gravity="0 0 0"/>
   <worldbody>"""
-# MuJoCo refuses moving bodies without mass; kinematics does not look at it.
+# MuJoCo rejects moving bodies without mass; kinematics does not use the mass.
 INERTIA = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
 
 
@@ -15,7 +15,7 @@ def words(numbers):
 
 
 def gpr(work):
-    """A free platform, and on it a body with a turn about the middle and a slide for each limb."""
+    """Model of the robot: a free platform, and for each limb a body with a rotation about the centre and a slide."""
     lines = [HEAD, f'<body name="platform" pos="0 0 {work.height:.17g}"><freejoint/>{INERTIA}']
     for k in range(3):
         out = (*work.direction[k], 0.0)
@@ -29,15 +29,15 @@ def gpr(work):
 
 
 def linkage(work, inside=None, after=""):
-    """The tree of bodies; the loops stay open, for the caller to close.
+    """Model of the tree of bodies; the caller closes the loops.
 
-    `inside` has further elements of bodies by their index, −1 for the world; `after` follows the bodies.
+    `inside` contains further elements of bodies by index, −1 for the world; `after` contains the elements after the bodies.
     """
     inside = inside or {}
     children = {parent: [] for parent in range(-1, len(work.bodies))}
     for index, body in enumerate(work.bodies):
         children[body.parent].append(index)
-    # Coordinates of MuJoCo follow the order in which bodies are written, depth first; the work has to agree.
+    # MuJoCo orders coordinates by the bodies of the file, depth first; the workload must have the same order.
     order = []
 
     def write(index):

@@ -1,4 +1,4 @@
-"""Rates and times, and how they are written."""
+"""Rates and times, and their text."""
 
 
 def rate(result, asked):
@@ -14,7 +14,7 @@ def quantity(rate):
 
 
 def figures(value):
-    """Three figures, without an exponent."""
+    """Text of a number with three significant digits, without an exponent."""
     text = f"{value:.3g}"
     return f"{float(text):,.0f}" if "e+" in text else text
 

@@ -1,17 +1,17 @@
-"""Ratios of jointplay to the best other program and to the limits of the machine, and those that became worse.
+"""Ratios of jointplay to the best other program and to the limits of the machine, and their comparison with recorded ones.
 
-A ratio above one is in favour of jointplay.
-Times differ from machine to machine and from hour to hour; ratios of one run do so less.
+With a ratio above one, jointplay is faster.
+Times vary between machines and between runs; ratios of one run vary less.
 """
 
 import json
 
 from quantities import rate
 
-# Share of its recorded ratio that a row may lose.
+# Largest allowed decrease of a ratio, as a fraction of the recorded ratio.
 LOSS = 0.1
 WORKS = ("gpr", "linkages", "scaling")
-# Rows of the three-rod robot: family, program of jointplay, and the ending of the names that it is compared with.
+# Rows of the three-rod robot: family, program of jointplay, and suffix of the names of the compared programs.
 POSES = {
     "polar, X": ("closed", "jointplay, bulk", ""),
     "polar, X and pose": ("closed", "jointplay, bulk, with pose", ", with pose"),
@@ -20,9 +20,9 @@ POSES = {
     "polar, least X, one by one": ("least", "jointplay, one by one", ""),
     "any mechanism, robot with virtual joints": ("general", "jointplay, any mechanism", ""),
 }
-# Programs that work on many poses at a time, with which calls one by one are not compared.
+# Programs that compute many poses at a time; single calls are not compared with them.
 MANY = ("C, vectors over poses", "Numba", "JAX", "NumPy")
-# Single calls: call of jointplay, and those of others in the same language.
+# Single calls: call of jointplay, and calls of other programs in the same language.
 CALLS = {
     "single call, from Rust": ("jointplay, from Rust", ("C, by hand", "CasADi, generated C")),
     "single call, from Python": ("jointplay, from Python, with pose", ("Numba, from Python", "JAX, from Python", "plain Python")),
@@ -30,7 +30,7 @@ CALLS = {
 
 
 def load(folder):
-    """Results by work, as far as they exist."""
+    """Existing results, by workload."""
     paths = {work: folder / f"{work}.json" for work in WORKS}
     return {work: json.loads(path.read_text()) for work, path in paths.items() if path.exists()}
 
@@ -96,7 +96,7 @@ def linkages(works):
 
 
 def scaling(families):
-    """Time of each loop among a hundred over that among a thousand, which is one where time is proportional to loops."""
+    """Ratios of the time per loop with a hundred loops to that with a thousand; one if the time is proportional to the loops."""
     found = {}
     for family, sizes in families.items():
         by_loops = {size["loops"]: size for size in sizes}
@@ -110,14 +110,14 @@ def scaling(families):
 
 
 def lost(before, after):
-    """Rows whose ratio became smaller by more than [`LOSS`]: row, ratio before, ratio after."""
+    """Rows whose ratio decreased by more than `LOSS`: row, ratio before, ratio after."""
     common = [row for row in before if row in after]
     pairs = [(row, before[row]["ratio"], after[row]["ratio"]) for row in common]
     return [(row, old, new) for row, old, new in pairs if new < (1 - LOSS) * old]
 
 
 def compared(before, after):
-    """The comparison as lines of text."""
+    """Comparison of ratios, as lines of text."""
     if not before:
         return ["no recorded ratios to compare with"]
     worse = lost(before, after)

@@ -1,4 +1,4 @@
-"""Tables, charts and all numbers, as files."""
+"""Writes tables, charts and all numbers into files."""
 
 import json
 
@@ -8,7 +8,7 @@ OURS, THEIRS = "#0b6e99", "#b8b8b8"
 
 
 def charts():
-    """The library for charts, without a window; the tables need none."""
+    """The plotting library without a window; tables do not need it."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -24,7 +24,7 @@ def write(out, name, document, lines):
 
 
 def about(document, command):
-    """Where the numbers come from, as lines of Markdown."""
+    """Command, machine and versions of the run, as lines of Markdown."""
     machine, versions = document["machine"], document["versions"]
     listed = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
     lines = [
@@ -39,8 +39,8 @@ def about(document, command):
 
 def method(document):
     return [
-        f"All programs do the work in one run, in {document['rounds']} rounds in which each takes its turn; the round with the least CPU time counts.",
-        "Rates are of one core; on another machine only the ratios mean something.",
+        f"All programs compute the workload in one run of {document['rounds']} rounds, in each of which they alternate; the round with the least CPU time counts.",
+        "Rates are those of one core; only the ratios are comparable between machines.",
     ]
 
 
@@ -53,10 +53,10 @@ def linkages(out, document):
         *about(document, "python3 bench/run.py --only linkages"),
         *method(document),
         "",
-        "Catalogue mechanisms without virtual joints; 200 positions along the motion of their drives, forward and back, each searched from the one before, the same guess for every program.",
+        "Catalogue mechanisms without virtual joints; 200 positions along the motion of their drives, forward and back; the initial guess of each is the previous position, the same for every program.",
         "Closed: all gaps of points below 10⁻¹³ m, those of hinge directions below 10⁻¹³ rad, computed by one function of the bench.",
         "",
-        "Time for a position, in µs; in brackets as a multiple of jointplay's.",
+        "Time for a position, in µs, and in brackets as a multiple of the time of jointplay.",
         "",
         f"| program | {' | '.join(works)} |",
         f"| --- | {' | '.join('---:' for _ in works)} |",
@@ -90,9 +90,9 @@ def linkages(out, document):
                 lines.append(f"\n{name} on {mechanism} failed: {result['failed']}.")
     lines += [
         "",
-        "jointplay is `PositionSolver`, which ends at 10⁻¹³ of the characteristic length, and finds the rank itself; *many at a time* is one call of its `solve_many` for all positions, from the same guesses.",
-        "Of Pinocchio, MuJoCo and Drake the kinematics and Jacobians are used, with Newton's iteration of the bench; a hinge that closes a loop is five equations, a ball three; the compiled ones solve them by LU where they are square and by normal equations where not, the fastest methods for mechanisms whose ranks are known.",
-        "Exudyn closes loops by its own joints, with `ignoreSingularJacobian` where hinges are redundant.",
+        "jointplay is `PositionSolver`, which ends at 10⁻¹³ of the characteristic length, and determines the rank itself; *many at a time* is one call of its `solve_many` for all positions, from the same guesses.",
+        "Pinocchio, MuJoCo and Drake supply kinematics and Jacobians for Newton's iteration of the bench. A hinge that closes a loop has five equations, a ball joint three. The compiled programs solve square systems by LU and others by normal equations, which are the fastest methods for mechanisms of known rank.",
+        "Exudyn closes loops with its own joints, and with `ignoreSingularJacobian` where hinges are redundant.",
         "",
         "![Time for a position](linkages.svg)",
     ]
@@ -122,7 +122,7 @@ def words(out, document):
     )
 
     def cell(peer, name, text):
-        """The result of a program on a mechanism, or the reason why it has none."""
+        """Result of a program for a mechanism, or the reason for which it has none."""
         result = {"error": peer["failed"]} if "failed" in peer else peer[name]
         return f"error: {result['error']}" if "error" in result else text(result)
 
@@ -131,16 +131,16 @@ def words(out, document):
         "",
         *about(document, "python3 bench/run.py --only words"),
         "",
-        "Pinocchio, MuJoCo, Drake and Exudyn are general programs for dynamics; counting freedoms is no aim of the first three.",
-        "Each is asked what it can be asked of the same mechanism in the same closed configuration.",
+        "Pinocchio, MuJoCo, Drake and Exudyn are general programs for dynamics; the first three do not determine mobility.",
+        "Each program computes the quantities that it supports, for the same mechanism in the same closed configuration.",
         "",
         "- *jointplay*: freedoms of all joints, rank, instantaneous mobility, finite mobility, redundancy (`jointplay mobility`).",
-        "- *Pinocchio*: velocities of the open tree, rows of its constraint Jacobian, and the rank that NumPy finds of it; then whether `constraintDynamics` is finite with proximal μ = 0 and with μ = 10⁻¹².",
-        "- *MuJoCo*: velocities of the open tree, rows of its equality constraints, and the rank that NumPy finds of them; accelerations, and warnings given.",
+        "- *Pinocchio*: velocities of the open tree, rows of its constraint Jacobian, and its rank by NumPy; then whether `constraintDynamics` is finite with proximal μ = 0 and with μ = 10⁻¹².",
+        "- *MuJoCo*: velocities of the open tree, rows of its equality constraints, and their rank by NumPy; accelerations, and number of warnings.",
         "- *Drake*: velocities of the open tree, and constraints, as `MultibodyPlant` counts them.",
         "- *Exudyn*: freedoms and redundant constraints from `ComputeSystemDegreeOfFreedom`.",
         "",
-        "Pinocchio, MuJoCo and Drake close a hinge by two points on its axis, which is one row more than needed.",
+        "Pinocchio, MuJoCo and Drake close a hinge by two points on its axis, which has one redundant row.",
         "",
         "| mechanism | jointplay: freedoms, rank, instantaneous, **finite**, redundancy | Pinocchio: velocities, rows, rank; μ = 0; μ = 10⁻¹² | MuJoCo: velocities, rows, rank; accelerations; warnings | Drake: velocities, constraints | Exudyn: freedoms, redundant |",
         "| --- | --- | --- | --- | --- | --- |",
@@ -174,7 +174,7 @@ def words(out, document):
     lines += [
         "## The level robot without virtual joints, commanded to rise and to tilt",
         "",
-        "Its rods go up by 10 mm, which they can; then to the lengths of a tilt of 2°, for which there is no configuration.",
+        "The rods are commanded to rise by 10 mm, which is possible, and then to the lengths of a tilt of 2°, for which no configuration exists.",
         "",
         "| program | method | to rise | to tilt |",
         "| --- | --- | --- | --- |",
@@ -205,8 +205,8 @@ def words(out, document):
         asked("exudyn", f"static solver, {how}", lambda result: f"`{result[how]}`", "Exudyn")
     lines += [
         "",
-        "Pinocchio has no position solver for loops of its own; the author of the iteration has to check the gap.",
-        "MuJoCo's constraints are soft by design; its user has to read the gap.",
+        "Pinocchio has no position solver for loops; the author of the iteration has to check the gap.",
+        "MuJoCo has soft constraints by design; the user has to read the gap.",
     ]
     write(out, "words", document, lines)
 
@@ -234,10 +234,10 @@ def scaling(out, document):
         "# Cost against loops",
         "",
         *about(document, "python3 bench/run.py --only scaling"),
-        "The shortest of as many times as fit into 0.3 s, one core; on another machine only the ratios mean something.",
+        "Shortest of the repetitions within 0.3 s, on one core; only the ratios are comparable between machines.",
         "",
         "Scissor lifts and rows of Bennett linkages, in ms: *mobility* is instantaneous and finite mobility, *drive* ten steps over 0.1 rad.",
-        "Dense algebra is not asked beyond 30 loops.",
+        "Dense algebra is measured up to 30 loops only.",
     ]
     for family, rows in document["work"].items():
         names = [name for name, _, _ in SCALED.values()]
@@ -266,19 +266,19 @@ def scaling(out, document):
 def conclusions(mechanisms, pinocchio, exudyn):
     """Conclusions from the table of mechanisms."""
     lines = [
-        "Velocities less rank are the instantaneous mobility; users of Pinocchio or MuJoCo compute it so, for neither reports it."
+        "Velocities less rank are the instantaneous mobility; users of Pinocchio or MuJoCo can compute it from these numbers, because neither program reports it."
     ]
     answers = {own["name"]: pinocchio.get(own["name"], {}) for own in mechanisms}
     redundant = [
         name for name, result in answers.items() if "rows" in result and result["rank_of_its_jacobian"] < result["rows"]
     ]
     if redundant:
-        saved = [f"*{name}*" for name in redundant if answers[name]["accelerations_mu_0"] == "finite"]
+        finite = [f"*{name}*" for name in redundant if answers[name]["accelerations_mu_0"] == "finite"]
         lines.append(
-            f"Redundant rows make Pinocchio's accelerations NaN where μ = 0, without an exception, in {len(redundant) - len(saved)} of {len(redundant)} mechanisms"
-            + (f"; round-off saves {' and '.join(saved)}." if saved else ".")
+            f"Redundant rows make Pinocchio's accelerations NaN where μ = 0, without an exception, in {len(redundant) - len(finite)} of {len(redundant)} mechanisms"
+            + (f"; because of round-off they are finite for {' and '.join(finite)}." if finite else ".")
         )
-        lines.append("With μ > 0 they do no harm, and are not reported.")
+        lines.append("With μ > 0 the accelerations are finite, and redundant rows are not reported.")
     lines.append("MuJoCo's rows are soft, and redundant ones are not reported.")
     counted = [(own, exudyn.get(own["name"], {})) for own in mechanisms]
     counted = [(own, result) for own, result in counted if "degree_of_freedom" in result]
@@ -288,15 +288,15 @@ def conclusions(mechanisms, pinocchio, exudyn):
             for own, result in counted
         )
         lines.append(
-            f"Exudyn reports freedoms and redundancy itself; both equal jointplay's instantaneous ones in {agree} of {len(mechanisms)} mechanisms."
+            f"Exudyn reports freedoms and redundancy; both equal the instantaneous values of jointplay in {agree} of {len(mechanisms)} mechanisms."
         )
     infinitesimal = [f"*{own['name']}*" for own in mechanisms if own["finite"] != own["instantaneous"]]
     names = " and ".join(infinitesimal)
-    lines.append(f"Only jointplay reports that the finite mobility is smaller, at {names}.")
+    lines.append(f"Only jointplay reports that the finite mobility is smaller, for {names}.")
     return lines
 
 
 def save(figure, path):
-    # Without a date, so that the same numbers give the same file.
+    # No date in the metadata, so that the same numbers produce the same file.
     figure.savefig(path, metadata={"Date": None})
     charts().close(figure)

@@ -1,4 +1,4 @@
-"""The three-rod robot with six virtual joints: many positions, each from nominal, by every program there is."""
+"""Runs the workload of the three-rod robot with six virtual joints in all programs: many positions, each from nominal."""
 
 import json
 import os
@@ -13,11 +13,11 @@ import work as workload
 import workers
 
 PEERS = Path(__file__).resolve().parent.parent / "peers"
-# More than any cache holds [bytes].
+# Footprint that exceeds every cache [bytes].
 MEMORY = 1 << 30
-# How often a kernel in C is tried, so many times over each.
+# Number of measurements of a kernel in C, and of repetitions in each.
 TRIES = 8
-# Single calls in a batch, and batches of which the middle counts.
+# Number of single calls in a batch, and number of batches; the median batch counts.
 CALLS, BATCHES = {"compiled": 2000, "python": 200}, 25
 
 
@@ -26,7 +26,7 @@ def peer(name, *words):
 
 
 def commands(build, path, kernels):
-    """Every worker by family and name; the first of a family is what its others are measured by."""
+    """Commands of all workers by family and name; the first worker of a family is the unit of the others."""
     jointplay = build / "jointplay"
     in_c = {
         "C, vectors over poses": ("vectors", "x"),
@@ -85,7 +85,7 @@ def commands(build, path, kernels):
     }
 
 
-# What jointplay does with many poses at a time: its name for it, columns read, columns written.
+# Bulk functions of jointplay: name in the command, columns read, columns written.
 BULK = {
     "polar, X": ("joints", 3, 7),
     "polar, X and pose": ("pose", 3, 14),
@@ -96,20 +96,20 @@ BULK = {
     "radial, X and pose": ("radial-pose", 3, 11),
     "inverse": ("inverse", 2, 3),
 }
-# Those that are also in a family, and are not timed twice.
+# Bulk functions that are also in a family, and are not timed twice.
 SAME = {
     "polar, X": ("closed", "jointplay, bulk"),
     "polar, X and pose": ("closed", "jointplay, bulk, with pose"),
     "polar, least X": ("least", "jointplay, bulk"),
 }
 PYTHON = "polar, X, from Python"
-# So many times the poses, to see what cores share: a million.
+# Number of copies of the poses for the parallel measurement, about a million poses.
 COPIES = 70
-# Poses whose instructions are counted where they are computed many at a time.
+# Number of poses whose instructions are counted in bulk functions.
 PART = 1440
-# Runs of a million poses in each round.
+# Number of runs of a million poses in each round.
 MOMENTS = 10
-# Those whose instructions are counted pose by pose: family, name, poses.
+# Workers whose instructions are counted pose by pose: family, name, poses.
 COUNTED = {
     "polar, X, one by one": ("closed", "jointplay, one by one", 200),
     "polar, X and pose, one by one": ("closed", "jointplay, one by one, with pose", 200),
@@ -146,22 +146,22 @@ def work(build, folder, rounds, note):
             result.update(
                 check.inverse(work, answers) if name == "inverse" else check.gpr(work, answers, newton, least)
             )
-    told_by = {family: {name: results[family, name] for name in each} for family, each in families.items()}
+    by_family = {family: {name: results[family, name] for name in each} for family, each in families.items()}
     many = {name: results[SAME.get(name, ("bulk", name))] for name in bulk}
     return {
         "poses": len(work.poses),
         "cores": os.cpu_count(),
         "kernels_tried": tried,
-        "families": told_by,
+        "families": by_family,
         "bulk": many,
         "million": million(build, path, rounds, note),
         "calls": calls(families, note),
-        "limits": shares(build, families, bulk, {**told_by, "bulk": many}, len(work.poses), rounds, folder, note),
+        "limits": shares(build, families, bulk, {**by_family, "bulk": many}, len(work.poses), rounds, folder, note),
     }
 
 
 def million(build, path, rounds, note):
-    """Many more poses than a cache holds, on one core and on all."""
+    """Times of about a million poses, more than a cache can contain, on one core and on all cores."""
     commands = {}
     for name, (what, _, _) in BULK.items():
         rust = [build / "jointplay", "gpr", "bulk", what, COPIES]
@@ -172,7 +172,7 @@ def million(build, path, rounds, note):
 
 
 def moments(commands, rounds, note):
-    """Times of many single runs, of which one may have the machine to itself: only the wall clock shows what cores share."""
+    """CPU and wall times of many single runs; the best run has the least load from other programs."""
     results, started = {}, {}
     for name, command in commands.items():
         note(f"starting {name}")
@@ -194,7 +194,7 @@ def moments(commands, rounds, note):
 
 
 def shares(build, families, bulk, results, poses, rounds, folder, note):
-    """Of each figure of jointplay what it moves and computes for a pose, and what the machine would allow."""
+    """Bytes and operations per pose of jointplay and of C, and the rates that the machine allows."""
     figures = {}
     for name, (family, worker, calls) in COUNTED.items():
         figures[name] = {"family": family, "worker": worker, "ask": f"call {calls}", "counted": calls, "columns": 10}
@@ -215,7 +215,7 @@ def shares(build, families, bulk, results, poses, rounds, folder, note):
         try:
             command = {**families, "bulk": bulk}[figure["family"]].get(figure["worker"])
             if command is None:
-                raise workers.Failed("it was not built")
+                raise workers.Failed("the worker was not built")
             counts = limits.operations(build, command, figure["ask"])
             for kind in ("instructions", "operations", "divisions", "roots"):
                 figure[kind] = counts[kind] / figure["counted"]
@@ -232,7 +232,7 @@ def shares(build, families, bulk, results, poses, rounds, folder, note):
 
 
 def quickest(build, path, note):
-    """Of the kernels in C the quickest binary for each kind of work, and how quick each was."""
+    """Fastest binary of the kernels in C for each kind of work, and the times of all."""
     built = json.loads((build / "closed.json").read_text())
     best, tried = {}, []
     for one in built:
@@ -253,14 +253,14 @@ def quickest(build, path, note):
 
 
 def calls(families, note):
-    """CPU time of one call as its caller measures it, each waiting for the one before: the median of many batches."""
+    """CPU time of a single call, each of which depends on the previous result; the median of many batches."""
     results = {}
     for name, (kind, family, worker_name) in CALLED.items():
         note(f"calling {name}")
         command = families[family].get(worker_name)
         try:
             if command is None:
-                raise workers.Failed("it was not built")
+                raise workers.Failed("the worker was not built")
             worker = workers.Worker(command)
             worker.call(CALLS[kind])
             took = [worker.call(CALLS[kind]) for _ in range(BATCHES)]

@@ -1,9 +1,9 @@
-"""Tables and chart of the three-rod robot."""
+"""Tables and chart of the workload of the three-rod robot."""
 
 from quantities import figures, quantity, rate, time
 from report import about, charts, method, save, write
 
-# Of each family: what it is, and the colours of jointplay and of the others in the chart.
+# Title of each family, and the colours of jointplay and of the others in the chart.
 FAMILIES = {
     "closed": ("Closed equations, Newton", "#0b6e99", "#9ecae1"),
     "least": ("Closed equations, least displacement", "#0b6e99", "#9ecae1"),
@@ -15,28 +15,28 @@ WHAT = {
         "*With pose*: the pose of the platform is included.",
     ],
     "least": [
-        "The same equations, solved to the X that is nearest to nominal in the metric, where optimisers end.",
-        "jointplay, C, Numba, JAX, NumPy and the generated C go by Gauss–Newton, X ← X₀ + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (J (X − X₀) + L² − L(X)²); the others are general optimisers with exact derivatives.",
+        "The same equations, solved for the X of least displacement from nominal in the metric, which optimisers find.",
+        "jointplay, C, Numba, JAX, NumPy and the generated C use Gauss–Newton, X ← X₀ + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (J (X − X₀) + L² − L(X)²); the others are general optimisers with exact derivatives.",
     ],
     "general": [
-        "Programs that know links and joints, not these equations; jointplay's entry is `PositionSolver`, which does not know them either, and iterates to round-off.",
+        "Programs that receive links and joints, not these equations; the entry of jointplay is its general `PositionSolver`, which iterates to round-off.",
     ],
 }
 NOTES = {
     "closed": [
         "*jointplay, one by one*: `Gpr::virtual_joints`, and with pose `Gpr::forward`; *bulk*: `Gpr::forward_many`, whose pose is origin, normal and torsion.",
-        "*C, vectors over poses*: 8 or 16 poses in the vectors of the compiler, or a loop without branches under `#pragma omp simd`. *C, by hand*: pose by pose. Both use the law of cosines, series for the sines of small turns, a first step computed once for all poses, and one division for a 3×3 system. *C, textbook* omits the series and the first step.",
+        "*C, vectors over poses*: 8 or 16 poses in vectors of the compiler, or a loop without branches under `#pragma omp simd`. *C, by hand*: pose by pose. Both use the law of cosines, series for the sines of small angles, a first step computed once for all poses, and one division for a 3×3 system. *C, textbook* omits the series and the first step.",
         "*Numba*, *JAX*, *NumPy* use the same formulas, Numba and JAX the same series; *CasADi* derives them and generates C, which is compiled like the rest.",
-        "Of C, every kernel is built by every compiler found, with `-O3 -march=native`, with and without `-ffast-math`; the fastest counts, all are below.",
+        "Each kernel in C is built with each installed compiler, with `-O3 -march=native`, with and without `-ffast-math`; the fastest counts, and all are listed below.",
     ],
     "least": [
-        "*SciPy*, *Drake, SNOPT* and *CasADi* get the problem in millimetres, derivatives included, and tolerances at which every side is within 10⁻⁹ mm.",
+        "*SciPy*, *Drake, SNOPT* and *CasADi* receive the problem in millimetres, with derivatives, and tolerances with which every side is within 10⁻⁹ mm.",
     ],
     "general": [
-        "*Pinocchio, C++*, *MuJoCo, C*, *Pinocchio, Python*, *Drake, Newton*: kinematics and Jacobians of the library, Newton's iteration of the bench on them; the compiled ones with Eigen at fixed sizes. These libraries have no position solver for loops of their own; MuJoCo's constraints are soft.",
+        "*Pinocchio, C++*, *MuJoCo, C*, *Pinocchio, Python*, *Drake, Newton*: kinematics and Jacobians of the library with Newton's iteration of the bench; the compiled ones with Eigen at fixed sizes. These libraries have no position solver for loops; MuJoCo has soft constraints.",
         "*Drake, SNOPT*: `InverseKinematics` with the displacement as cost, feasibility tolerance 10⁻¹³.",
         "*Exudyn, static*: `MainSolverStatic` with springs at the virtual joints, whose equilibrium is the least displacement.",
-        "*SciPy*: `least_squares`, as a user without other libraries does it.",
+        "*SciPy*: `least_squares`, without other libraries.",
     ],
 }
 
@@ -49,12 +49,12 @@ def report(out, document):
         *about(document, "python3 bench/run.py --only gpr"),
         *method(document),
         "",
-        f"The robot of the catalogue with the six virtual joints of the polar model, ρ = 1 mm, in {work['poses']} poses: azimuth 0° to 359° by 1°, tilt −2° to 2° by 0.1° but for level, height 500 mm.",
-        "Rods are given; virtual joints, and the pose where stated, are found, each pose from nominal.",
+        f"The robot of the catalogue with the six virtual joints of the polar model, ρ = 1 mm, in {work['poses']} poses: azimuth 0° to 359° in steps of 1°, tilt −2° to 2° in steps of 0.1° without the level pose, height 500 mm.",
+        "The rods are given; the programs compute the virtual joints, and where stated the pose, each from nominal.",
         "",
-        "*Closed*, gaps and distances are computed from each program's answer by one function of the bench with equations of its own: gaps are of sides, and of sockets from balls where there is a pose.",
-        "*From Newton* and *from least* is how far X is at most from a reference found without haste, a turn counted as its arc at the socket.",
-        "A program that is asked for fewer poses is asked for every so many of them.",
+        "One function of the bench with independent equations computes *closed*, gaps and distances from the answers: gaps are errors of the sides, and with a pose distances of sockets from balls.",
+        "*From Newton* and *from least* are the largest distances of X from reference solutions, with angles multiplied by the socket radius.",
+        "Slow programs compute every tenth or fortieth pose.",
     ]
     for family, results in work["families"].items():
         lines += ["", f"## {FAMILIES[family][0]}", "", *WHAT[family], "", *table(results, work["poses"]), ""]
@@ -96,8 +96,8 @@ def million(work):
     lines = [
         "## jointplay, many poses at a time",
         "",
-        f"`Gpr::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses, more than the caches hold, on one core in CPU time, and shared by all {work['cores']} (`study::parallel`) by the clock on the wall, in the best of many runs.",
-        "*Gain* is one core's time on the wall over that of all; with other work on the machine all are rarely free at once, and it means little. The last column compares the CPU time of one with that of all together: below one, sharing costs.",
+        f"`Gpr::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses, more than the caches hold, on one core in CPU time, and distributed over all {work['cores']} cores (`study::parallel`) in wall time, in the best of many runs.",
+        "*Gain* is the ratio of the wall time on one core to that on all cores; with other load on the machine it has little meaning. The last column is the ratio of the CPU time on one core to that of all cores together; below one, the distribution has a cost.",
         "",
         f"| computed | {work['poses']} poses, one core | {poses} poses, one core | all cores | gain | CPU time, one to all |",
         "| --- | ---: | ---: | ---: | ---: | ---: |",
@@ -124,13 +124,13 @@ def limits(result):
     sizes = {int(name.split()[1]): name for name in machine if name.startswith("copy ")}
     copies = ", ".join(f"{giga(name, 'B/s')} of {size / 1e6:.3g} MB" for size, name in sorted(sizes.items()))
     lines = [
-        "## How near to what the machine can do",
+        "## Limits of the machine",
         "",
-        f"Measured in the same run on one core: {giga('fma', ' FMA/s')}, {giga('divide', ' divisions/s')}, {giga('root', ' roots/s')} of doubles in its widest vectors; copies (read and written) at {copies}.",
-        "Operations are counted from the instructions that are executed, one by one: additions, subtractions, multiplications, divisions and roots of doubles, an FMA as two, a vector by its full width.",
+        f"Measured in the same run on one core: {giga('fma', ' FMA/s')}, {giga('divide', ' divisions/s')}, {giga('root', ' roots/s')} of doubles in the widest vectors; copies (bytes read and written) at {copies}.",
+        "Operations are counted from the executed instructions, by single-stepping: additions, subtractions, multiplications, divisions and roots of doubles; an FMA counts as two, a vector with its full width.",
         "Bytes are those of the columns read and written.",
-        "What each limit allows is poses per second if nothing else took time; the share is of the least of them.",
-        "No program reaches the limit of operations, which takes every instruction for an FMA.",
+        "The rate that a limit allows is in poses per second, without any other cost; the share refers to the smallest of these rates.",
+        "No program reaches the limit of operations, which assumes that every instruction is an FMA.",
         "",
         "| computed | instructions | operations | divisions, roots | bytes | allowed by bytes | by operations | by divisions and roots | poses/s | share |",
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
@@ -150,9 +150,9 @@ def limits(result):
 
 def calls(results):
     lines = [
-        "## One pose",
+        "## Single calls",
         "",
-        "Time of a single call as its caller measures it, each call waiting for the answer of the one before: the median of the batches, CPU time.",
+        "CPU time of a single call, each of which depends on the result of the previous call: the median of the batches.",
         "",
         "| call | time |",
         "| --- | ---: |",
@@ -173,7 +173,7 @@ def tried(work):
     lines = [
         "## Kernels in C",
         "",
-        "Poses per second of every build, before the rounds; the bold ones were taken.",
+        "Poses per second of every build, measured before the rounds; the selected builds are bold.",
         "",
         "| kernel | compiler | flags | X | X and pose | least X |",
         "| --- | --- | --- | ---: | ---: | ---: |",
@@ -185,7 +185,7 @@ def tried(work):
 
 
 def chart(out, work):
-    """All families in one picture, the quickest of each on top."""
+    """Draws all families into one chart, the fastest program of each on top."""
     rows = []
     for family, results in work["families"].items():
         rates = rates_of(results, work["poses"])

@@ -1,7 +1,7 @@
 /* Counts the instructions that a waiting process executes until it waits again: `steps PID`.
  *
- * Says "attached" once it holds the process, which then may be asked for something; steps through it until it has
- * written an answer and reads its input again; prints "address count" for each instruction.
+ * Prints "attached" when it has stopped the process, to which the caller then sends a command. Single-steps the process
+ * until it has written its answer and reads its input again, and prints "address count" for each instruction.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -41,10 +41,10 @@ static struct slot *slot_of(pid_t pid, uint64_t address) {
 }
 
 int main(int count, char **words) {
-  if (count != 2) return fprintf(stderr, "say the number of a process\n"), 2;
+  if (count != 2) return fprintf(stderr, "usage: steps PID\n"), 2;
   pid_t pid = atoi(words[1]);
   int status, written = 0;
-  /* On one core the two hand over to each other several times as fast. */
+  /* Switches between the two processes are several times faster on one core. */
   cpu_set_t core;
   CPU_ZERO(&core);
   CPU_SET(sched_getcpu(), &core);

@@ -1,6 +1,6 @@
-"""The results of each program on mechanisms, as far as it computes them: `words.py PROGRAM FOLDER`, as JSON.
+"""Prints the results of a program for mechanisms, as far as it supports them, as JSON: `words.py PROGRAM FOLDER`.
 
-Every mechanism is in one closed configuration; then the level robot without virtual joints is commanded to rise, and to tilt.
+Each mechanism is in one closed configuration; then the level robot without virtual joints is commanded to rise, and to tilt.
 """
 
 import contextlib
@@ -26,12 +26,12 @@ MECHANISMS = [
 ASKED = ["gpr-asked-to-rise", "gpr-asked-to-tilt"]
 PEERS = Path(__file__).resolve().parent.parent / "peers"
 sys.path.append(str(PEERS))
-# Points of a hinge that closes a loop, along its axis [m]: where a program closes loops by points alone.
+# Positions along the axis of a hinge of the two points by which some programs close a loop [m].
 ON_AXIS = (-0.1, 0.1)
 
 
 def points(cut):
-    """Where two sides of a cut have to meet: in one point of a ball, in two of a hinge."""
+    """Points in which two sides of a cut coincide: one for a ball joint, two for a hinge."""
     along = ON_AXIS if cut.kind == "R" else (0.0,)
     return [[point + rotation[:, 2] * by for rotation, point in cut.frames] for by in along]
 
@@ -41,7 +41,7 @@ def rank(jacobian):
 
 
 def pinocchio():
-    """Point constraints on a tree; its forward dynamics, with and without proximal regularisation."""
+    """Results of Pinocchio: point constraints on a tree, and forward dynamics with and without proximal regularisation."""
     import pinocchio as pin
 
     def build(work):
@@ -119,7 +119,7 @@ def pinocchio():
             jacobian = derivative(model, data, constraints, datas, q)[:, free]
             gap = np.concatenate([constraint_data.c1Mc2.translation for constraint_data in datas])
             step = np.zeros(model.nv)
-            # Its sign is that of side one against side two.
+            # The gap is the position of side one relative to side two.
             step[free] = np.linalg.lstsq(jacobian, gap, rcond=1e-9)[0]
             q = pin.integrate(model, q, step)
         return {"gap_mm": 1e3 * float(np.abs(gap).max())}
@@ -128,7 +128,7 @@ def pinocchio():
 
 
 def mujoco():
-    """`connect` constraints on a tree; its forward pass, and a simulation with strong position servos on the rods."""
+    """Results of MuJoCo: `connect` constraints on a tree, a forward pass, and a simulation with stiff position servos on the rods."""
     import mjcf
     import mujoco as mj
 
@@ -171,7 +171,7 @@ def mujoco():
         at = [model.joint(f"joint{rod}").qposadr[0] for rod in rods]
         goal = data.qpos[at]
         mj.mj_resetData(model, data)
-        # The rods move there in five seconds and then dwell for five.
+        # The rods move for five seconds and then dwell for five.
         while data.time < 10.0:
             data.ctrl[:] = goal * min(data.time / 5.0, 1.0)
             mj.mj_step(model, data)
@@ -186,7 +186,7 @@ def mujoco():
 
 
 def drake():
-    """Ball constraints on a tree; and inverse kinematics with the rods held."""
+    """Results of Drake: ball constraints on a tree, and inverse kinematics with fixed rods."""
     import drake_peer
     from pydrake.multibody.inverse_kinematics import InverseKinematics
     from pydrake.solvers import SnoptSolver
@@ -224,7 +224,7 @@ def drake():
 
 
 def exudyn():
-    """Joints on a kinematic tree; its count of freedoms and of redundant constraints, and its static solver."""
+    """Results of Exudyn: freedoms and redundant constraints of joints on a kinematic tree, and the static solver."""
     import exudyn as exu
     import exudyn_peer
 

@@ -1,6 +1,6 @@
-"""The workload of the bench in text form, and the protocol of a Python worker.
+"""Reader of the workload files of the bench, and the protocol of a Python worker.
 
-A worker prints `ready`, then answers `run N` by doing all of its work N times, and `write FILE` by writing its answers; some also answer `call N` by N single calls.
+A worker prints `ready`, then reads commands: `run N` computes the whole work N times, `write FILE` writes the answers, and with some workers `call N` performs N single calls.
 """
 
 import sys
@@ -12,7 +12,7 @@ ITERATIONS = 50
 
 
 class Numbers:
-    """Reads words one after the other."""
+    """Reader of the words of a file in sequence."""
 
     def __init__(self, path):
         with open(path) as file:
@@ -28,13 +28,13 @@ class Numbers:
         return np.array([float(self.word()) for _ in range(count)])
 
     def frame(self):
-        """A rotation and a point."""
+        """Reads a rotation matrix and a point."""
         return self.numbers(9).reshape(3, 3), self.numbers(3)
 
 
 @dataclass
 class Gpr:
-    """The three-rod robot, and the rods of each pose."""
+    """Workload of the three-rod robot: its dimensions, and the rods of each pose."""
 
     radius: np.ndarray
     direction: np.ndarray
@@ -53,18 +53,18 @@ class Gpr:
         return cls(limbs[:, 0], limbs[:, 1:3], limbs[:, 3:5], metric, height, gap, poses)
 
     def balls(self, rods):
-        """Where the balls are: a row each."""
+        """Ball centres, one row for each."""
         return np.column_stack([self.base, rods])
 
     @property
     def compliance(self):
-        """What a turn and a slide of each limb count for in the least displacement."""
+        """Compliance of the rotation and the slide of each limb in the metric of the least displacement."""
         return np.tile([1 / self.metric**2, 1.0], 3)
 
 
 @dataclass
 class Body:
-    """A body that hangs on another (−1: the base) by a turn `R` or slide `P` about or along z, or a ball `S`."""
+    """Body with the joint to its parent (−1: the base): a rotation `R` about z, a slide `P` along z, or a ball joint `S`."""
 
     parent: int
     kind: str
@@ -74,13 +74,13 @@ class Body:
 
     @property
     def width(self):
-        """How many numbers its coordinates are: a ball's are a quaternion, w first."""
+        """Number of coordinates of the joint; those of a ball joint are a quaternion, w first."""
         return 4 if self.kind == "S" else 1
 
 
 @dataclass
 class Cut:
-    """What closes a loop, a hinge `R` or a ball `S`: the body and the joint's frame on it, twice."""
+    """Joint that closes a loop, a hinge `R` or a ball joint `S`: two bodies, and the frame of the joint on each."""
 
     kind: str
     bodies: tuple
@@ -93,7 +93,7 @@ class Cut:
 
 @dataclass
 class Linkage:
-    """A mechanism, and the coordinates that each of its positions is searched from."""
+    """Workload of a mechanism: its bodies and cuts, and the initial guess of each position."""
 
     bodies: list
     cuts: list
@@ -130,7 +130,7 @@ class Linkage:
         return placed
 
     def gaps(self, values):
-        """How far each loop is from closed: a point, and for a hinge two directions."""
+        """Closure residuals of the loops: of a point, and for a hinge of two directions."""
         placed = self.place(values)
         gaps = []
         for cut in self.cuts:
@@ -161,16 +161,16 @@ def ball(quaternion):
 
 
 def quaternion(rotation):
-    """w, x, y, z of a rotation matrix."""
+    """Quaternion w, x, y, z of a rotation matrix."""
     import scipy.spatial.transform
 
     return scipy.spatial.transform.Rotation.from_matrix(rotation).as_quat(scalar_first=True)
 
 
 def least_step(gap, platform, virtual_part, compliance):
-    """The step of platform and virtual joints that closes the linearized gap, with the least virtual joints.
+    """Step of platform and virtual joints that closes the linearized gap, with a minimum-norm step of the virtual joints.
 
-    The platform is free: what it cannot reach is left to the virtual joints.
+    The free platform closes as much of the gap as possible; the virtual joints close the rest.
     """
     q, r = np.linalg.qr(platform, mode="complete")
     rotated, virtual_part = q.T @ gap, q.T @ virtual_part
@@ -181,29 +181,29 @@ def least_step(gap, platform, virtual_part, compliance):
 
 
 def serve(solve, stride=1, call=None, rows=None):
-    """Answers for one worker.
+    """Runs the protocol of one worker.
 
-    `solve()` does all of the work; of what it gives `rows` makes a list of answers, None where there is none, outside of what is timed.
-    `call(k)` asks for one position by itself.
+    `solve()` computes the whole work; `rows` converts its result to a list of answers, None without a solution, and is not timed.
+    `call(k)` computes one position by a single call.
     """
     rows = rows or (lambda answers: answers)
     print("ready" if stride == 1 else f"ready {stride}", flush=True)
     answers = []
     for line in sys.stdin:
-        what, rest = line.split()
-        if what == "run":
-            for _ in range(int(rest)):
+        command, argument = line.split()
+        if command == "run":
+            for _ in range(int(argument)):
                 answers = solve()
             print("done", flush=True)
-        elif what == "call" and call:
-            for k in range(int(rest)):
+        elif command == "call" and call:
+            for k in range(int(argument)):
                 call(k)
             print("done", flush=True)
-        elif what == "write":
-            with open(rest, "w") as file:
+        elif command == "write":
+            with open(argument, "w") as file:
                 for answer in rows(answers):
                     row = [] if answer is None else answer
                     print(*(f"{number:.17g}" for number in row), file=file)
             print("done", flush=True)
         else:
-            sys.exit(f"expected run N, call N or write FILE, not {line!r}")
+            sys.exit(f"expected run N, call N or write FILE, got {line!r}")

@@ -6,18 +6,18 @@ import tempfile
 import time
 from pathlib import Path
 
-# A round of a fast worker does its work several times over, so that it takes at least this long [s].
+# Least duration of a round; fast workers repeat their work within a round [s].
 LEAST_ROUND = 0.3
 _libc = ctypes.CDLL(None)
 
 
 class Failed(Exception):
-    """A worker that could not do its work, and why."""
+    """Failure of a worker, with the reason."""
 
 
 class Worker:
     def __init__(self, command):
-        # Errors go to a file, so that a chatty worker cannot fill a pipe and stall.
+        # Errors are written to a file, because a full pipe would block the worker.
         self.errors = tempfile.TemporaryFile("w+")
         self.process = subprocess.Popen(
             [str(word) for word in command],
@@ -31,7 +31,7 @@ class Worker:
         self.repeats = 1
 
     def _answer(self, expected):
-        """Words after the expected one; programs may print lines of their own before."""
+        """Reads lines up to the expected word, and returns the words after it; programs may print other lines before."""
         for line in self.process.stdout:
             words = line.split()
             if words[:1] == [expected]:
@@ -53,31 +53,31 @@ class Worker:
         """CPU time of all threads of the worker [s]."""
         clock = ctypes.c_int()
         if _libc.clock_getcpuclockid(self.process.pid, ctypes.byref(clock)) != 0:
-            raise Failed("its clock cannot be read")
+            raise Failed("the CPU clock of the worker cannot be read")
         return time.clock_gettime(clock.value)
 
     def time(self):
-        """CPU and wall time of doing all work once [s]."""
+        """CPU and wall time of the whole work [s]."""
         cpu, wall = self._cpu(), time.perf_counter()
         self._ask(f"run {self.repeats}")
         cpu, wall = self._cpu() - cpu, time.perf_counter() - wall
         return cpu / self.repeats, wall / self.repeats
 
     def call(self, times):
-        """CPU time of one single call [s], from so many."""
+        """CPU time of a single call, as the mean of `times` calls [s]."""
         cpu = self._cpu()
         self._ask(f"call {times}")
         return (self._cpu() - cpu) / times
 
     def warm_up(self):
-        """Runs unmeasured, and learns how often a round has to repeat the work."""
+        """Runs without measurement, and determines how often a round repeats the work."""
         cpu, _ = self.time()
         if cpu < LEAST_ROUND:
             cpu, _ = self.time()
         self.repeats = max(1, round(LEAST_ROUND / max(cpu, 1e-6)))
 
     def answers(self, path):
-        """Every answer as a list of numbers, empty where there is none."""
+        """Answers as lists of numbers, empty without a solution."""
         self._ask(f"write {path}")
         return [[float(word) for word in line.split()] for line in Path(path).read_text().splitlines()]
 
@@ -88,9 +88,9 @@ class Worker:
 
 
 def compare(commands, rounds, folder, note):
-    """Runs all workers in turn, round after round.
+    """Runs all workers alternately in rounds.
 
-    Returns by name: times of every round, and the answers; or why there are none.
+    Returns by name the times of all rounds and the answers, or the reason of a failure.
     """
     workers, results = {}, {}
     for name, command in commands.items():

@@ -1,4 +1,4 @@
-"""The least displacement of the closed equations by the optimisers of CasADi: `python casadi_peer.py ipopt FILE` or `sqpmethod FILE`."""
+"""Worker for the least displacement of the closed equations with optimisers of CasADi: `python casadi_peer.py ipopt FILE` or `sqpmethod FILE`."""
 
 import sys
 
@@ -7,7 +7,7 @@ import closed_equations as closed
 import numpy as np
 import work as workload
 
-# Every so many poses only: at this speed all of them take long.
+# Computes every 40th pose only, because of the computation time.
 STRIDE = 40
 OPTIONS = {
     "ipopt": {

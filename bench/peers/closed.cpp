@@ -1,6 +1,7 @@
-// The closed equations by a compiled kernel, of closed/: `closed x FILE`, `closed pose FILE` or `closed least FILE`.
+// Worker for the closed equations with a compiled kernel of closed/: `closed x FILE`, `closed pose FILE` or `closed least FILE`.
 //
-// Beside what every worker answers, "call N" solves N poses by a call each, one waiting for the other.
+// In addition to the commands of all workers, "call N" solves N poses by single calls, each of which depends on the
+// result of the previous one.
 #include "closed/closed.h"
 
 #include "worker.hpp"
@@ -32,7 +33,7 @@ class Closed : public Work {
   }
 
   int call(int times) override {
-    // What is added is nothing, but the processor does not know: it waits for the answer before.
+    // The added zero is a data dependency: the processor waits for the result of the previous call.
     volatile double none = 0.0;
     const double nothing = none;
     double x[6] = {};
@@ -45,7 +46,7 @@ class Closed : public Work {
     return solved;
   }
 
-  // The pose where it is asked for, rotation and point before X; else X alone.
+  // Answers are rotation, point and X if the pose is requested, otherwise X.
   void write(const std::string& path) override {
     const size_t count = rods_[0].size();
     answers_.assign(count, {});

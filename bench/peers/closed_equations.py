@@ -1,10 +1,10 @@
-"""What the Python workers of the closed equations share: the constants of the robot, and the equations over NumPy-like arrays.
+"""Closed equations of the Python workers: constants of the robot, and equations over NumPy-like arrays.
 
     F_ij(X) = L_ij² − |p_j(X) − p_i(X)|²,   p_k = l_k u(β_k + φ_k),   L_ij² = |B_j − B_i|² + (q_j − q_i)²
     newton:  X ← X   + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ F                J = ∂|p_j − p_i|²/∂X
     least:   X ← X_0 + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (J (X − X_0) + F)
 
-As in C: law of cosines instead of points, halves of F and J, the first step made once for all robots' poses.
+As in C: law of cosines instead of points, half of F and J, and a first step with a constant matrix.
 """
 
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 NEXT = (1, 2, 0)
-# Up to this turn between neighbours the series are good to the last digit [rad].
+# Largest angle between neighbouring sockets for which the series are exact to round-off [rad].
 SERIES = 0.25
 
 
 class Series:
-    """Sine and cosine of small angles, for programs whose own are slow."""
+    """Series for sine and cosine of small angles, for programs with slow functions."""
 
     @staticmethod
     def sin(a):
@@ -33,7 +33,7 @@ class Series:
 
 @dataclass
 class Constants:
-    """Numbers of the sides 01, 12, 20, and the first step from nominal."""
+    """Constants of the sides 01, 12, 20, and the matrix of the first step from nominal."""
 
     radius: tuple
     cosine: tuple
@@ -72,7 +72,7 @@ def constants(work):
 
 
 def sides(xp, own, x):
-    """Of each side: half its square, and half its derivatives by l_i, l_j and φ_j (minus that by φ_i)."""
+    """Half of each squared side, and half of its derivatives by l_i, l_j and φ_j; the derivative by φ_i is minus the last."""
     at = []
     for i, j in enumerate(NEXT):
         turn = x[3 + j] - x[3 + i]
@@ -84,7 +84,7 @@ def sides(xp, own, x):
 
 
 def step(own, at, b):
-    """W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ b."""
+    """Minimum-norm step W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ b."""
     (_, i0, j0, t0), (_, i1, j1, t1), (_, i2, j2, t2) = at
     k0, k1, k2 = own.stiffness * t0, own.stiffness * t1, own.stiffness * t2
     xx, yy, zz = i0 * i0 + j0 * j0 + 2 * k0 * t0, i1 * i1 + j1 * j1 + 2 * k1 * t1, i2 * i2 + j2 * j2 + 2 * k2 * t2
@@ -106,19 +106,19 @@ def step(own, at, b):
 
 
 def halves(own, rods):
-    """Half the squared sides that the rods ask for."""
+    """Half of the squared sides that the rods determine."""
     return [0.5 * (own.level[k] + (rods[NEXT[k]] - rods[k]) ** 2) for k in range(3)]
 
 
 def start(own, wanted):
-    """X after the first step from nominal, whose matrix is constant."""
+    """X after the first step from nominal, with a constant matrix."""
     b = [wanted[k] - own.nominal[k] for k in range(3)]
     x = [row[0] * b[0] + row[1] * b[1] + row[2] * b[2] for row in own.first]
     return [x[k] + own.radius[k] for k in range(3)] + x[3:]
 
 
 def pulled(own, at, b, x):
-    """What `step` is to meet for the least displacement: J (X − X_0) + F."""
+    """Right-hand side of `step` for the least displacement: J (X − X_0) + F."""
     shift = [x[k] - own.radius[k] for k in range(3)]
     return [
         b[i] + at[i][1] * shift[i] + at[i][2] * shift[j] + at[i][3] * (x[3 + j] - x[3 + i]) for i, j in enumerate(NEXT)
@@ -126,22 +126,22 @@ def pulled(own, at, b, x):
 
 
 def answers(x, residual, gap):
-    """X pose by pose, None where it was not found."""
+    """X of each pose, None without a solution."""
     rows = np.stack([np.asarray(column) for column in x], axis=1)
     return [row if ended <= gap else None for row, ended in zip(rows, np.asarray(residual))]
 
 
-# Optimisers get numbers of the size of one: displacements in the metric, and gaps of sides, both in millimetres [m].
+# Unit of displacements and gaps for optimisers, which need numbers of the order of one [m].
 UNIT = 1e-3
 
 
 def from_scaled(own, y):
-    """X from displacements in the metric."""
+    """X from scaled displacements in the metric."""
     return [own.radius[k] + UNIT * y[k] for k in range(3)] + [UNIT / own.metric * y[k] for k in range(3, 6)]
 
 
 def scaled_sides(xp, own, y):
-    """Half squared sides, so divided that a gap of a side is one of a length, and their derivatives by y."""
+    """Half of the squared sides, scaled so that a gap is a length, and their derivatives by y."""
     at = sides(xp, own, from_scaled(own, y))
     values, rows = [], []
     for i, (j, (square, by_i, by_j, by_turn)) in enumerate(zip(NEXT, at)):

@@ -1,4 +1,4 @@
-"""The work of the bench with Drake from Python.
+"""Worker for the workloads of the bench with Drake from Python.
 
 python drake_peer.py gpr FILE, python drake_peer.py linkage FILE: Newton with the kinematics of MultibodyPlant
 python drake_peer.py snopt FILE: InverseKinematics, solved by SNOPT; for the robot
@@ -25,7 +25,7 @@ from pydrake.multibody.tree import (
 )
 from pydrake.solvers import MathematicalProgram, SnoptSolver
 
-# Every so many poses only, where all of them take minutes.
+# Slow methods compute every tenth pose only.
 STRIDE = 10
 
 
@@ -39,7 +39,7 @@ def offset(plant, name, parent, rotation, point):
 
 
 def robot(work):
-    """A free platform, three turns about its middle, a slide on each; the point is each slide's origin."""
+    """Model of the robot: a free platform, three rotations about its centre, and a slide on each, whose origin is the socket."""
     plant = MultibodyPlant(0.0)
     platform = body(plant, "platform")
     floating = QuaternionFloatingJoint("floating", plant.world_frame(), platform.body_frame())
@@ -140,7 +140,7 @@ def snopt(path):
 
 
 def closed(path):
-    """The least displacement under the closed equations, written once as symbols."""
+    """Least displacement under the closed equations, which are symbolic expressions."""
     work = workload.Gpr.read(path)
     own = closed_equations.constants(work)
     program, solver = MathematicalProgram(), SnoptSolver()
@@ -149,7 +149,7 @@ def closed(path):
     program.AddQuadraticErrorCost(np.eye(6), np.zeros(6), y)
     for value, goal in zip(values, wanted):
         program.AddConstraint(value - goal, 0.0, 0.0)
-    # Numbers of formulas cannot be changed; bounds can.
+    # Constants of expressions cannot change between poses; bounds can.
     held = program.AddBoundingBoxConstraint(np.zeros(3), np.zeros(3), wanted).evaluator()
     for name in ("Major feasibility tolerance", "Major optimality tolerance", "Minor feasibility tolerance"):
         program.SetSolverOption(solver.id(), name, 1e-12)
@@ -168,7 +168,7 @@ def closed(path):
 
 
 def tree(work, time_step):
-    """The open tree of a mechanism: plant, bodies and joints, not yet finalized."""
+    """Open tree of a mechanism: plant before `Finalize`, bodies and joints."""
     plant = MultibodyPlant(time_step)
     bodies, joints = [], []
     world = plant.world_frame()
@@ -187,7 +187,7 @@ def tree(work, time_step):
 
 
 def positions(work, plant, joints, values):
-    """Positions of the plant; balls are turned about x, then y, then z, in fixed axes."""
+    """Positions of the plant; ball joints rotate about the fixed axes x, then y, then z."""
     q, at = np.empty(plant.num_positions()), 0
     for one, joint in zip(work.bodies, joints):
         own, first = values[at : at + one.width], joint.position_start()

@@ -1,7 +1,7 @@
-"""The work of the bench with Exudyn's static solver, over kinematic trees with loops closed by joints.
+"""Worker for the workloads of the bench with the static solver of Exudyn, on kinematic trees with loops closed by joints.
 
 python exudyn_peer.py gpr FILE, python exudyn_peer.py linkage FILE
-Weak springs hold the virtual joints: static equilibrium is their least displacement.
+The virtual joints have springs: their static equilibrium is the least displacement.
 """
 
 import sys
@@ -17,7 +17,7 @@ SLIDES = [exu.JointType.PrismaticX, exu.JointType.PrismaticY, exu.JointType.Pris
 
 
 class Tree:
-    """A kinematic tree, link by link."""
+    """Kinematic tree, which `add` extends by one link."""
 
     def __init__(self):
         self.types, self.parents, self.rotations, self.points = [], [], [], []
@@ -30,7 +30,7 @@ class Tree:
         return len(self.types) - 1
 
     def build(self, stiffness):
-        """System, node and tree; a spring where a coordinate has stiffness."""
+        """Builds system, node and tree, with springs at coordinates of non-zero stiffness."""
         count = len(self.types)
         mbs = exu.SystemContainer().AddSystem()
         zeros = [0.0] * count
@@ -61,25 +61,25 @@ class Tree:
 
 def settings(gap):
     exu.config.suppressWarnings = True
-    told_to = exu.SimulationSettings()
-    told_to.solution.file.write = False
-    told_to.solution.sensors.active = False
-    told_to.staticSolver.verboseMode = 0
-    newton = told_to.staticSolver.newton
-    # Full Newton; solved is asked of the solution afterwards.
+    options = exu.SimulationSettings()
+    options.solution.file.write = False
+    options.solution.sensors.active = False
+    options.staticSolver.verboseMode = 0
+    newton = options.staticSolver.newton
+    # Full Newton steps; the harness checks the solution afterwards.
     newton.relativeTolerance = 1e-12
     newton.absoluteTolerance = gap
-    told_to.staticSolver.adaptiveStep = False
-    told_to.linearSolver.solverType = exu.LinearSolverType.EigenDense
-    told_to.linearSolver.ignoreSingularJacobian = True
-    return told_to
+    options.staticSolver.adaptiveStep = False
+    options.linearSolver.solverType = exu.LinearSolverType.EigenDense
+    options.linearSolver.ignoreSingularJacobian = True
+    return options
 
 
-def solved(mbs, told_to, solver, start):
+def solved(mbs, options, solver, start):
     """Coordinates in equilibrium from a start, or None."""
     mbs.systemData.SetODE2Coordinates(start, exu.ConfigurationType.Initial)
     try:
-        if not solver.SolveSystem(mbs, told_to):
+        if not solver.SolveSystem(mbs, options):
             return None
     except Exception:
         return None
@@ -109,12 +109,12 @@ def gpr(path):
         mbs.AddObject(items.ObjectJointSpherical(markerNumbers=[ball, own]))
         balls.append(ball)
     mbs.Assemble()
-    told_to, solver, rest = settings(work.gap), exu.MainSolverStatic(), np.zeros(12)
+    options, solver, rest = settings(work.gap), exu.MainSolverStatic(), np.zeros(12)
 
     def one(rods):
         for marker, ball in zip(balls, work.balls(rods)):
             mbs.SetMarkerParameter(marker, "localPosition", ball)
-        q = solved(mbs, told_to, solver, rest)
+        q = solved(mbs, options, solver, rest)
         if q is None:
             return None
         x, y, z = q[3:6]
@@ -133,12 +133,12 @@ def turn_y(angle):
 
 
 def closed_tree(work, held):
-    """System and drives of a mechanism, its loops closed by joints; drives hold their coordinates if asked to."""
+    """System and drives of a mechanism with loops closed by joints; with `held`, the drives fix their coordinates."""
     tree, links = Tree(), []
     for one in work.bodies:
         parent = -1 if one.parent < 0 else links[one.parent]
         if one.kind == "S":
-            # A ball is three turns.
+            # A ball joint consists of three rotations.
             parent = tree.add(parent, TURNS[0], one.rotation, one.point)
             parent = tree.add(parent, TURNS[1])
             links.append(tree.add(parent, TURNS[2]))
@@ -170,7 +170,7 @@ def closed_tree(work, held):
 
 
 def coordinates(work, values):
-    """Coordinates of the tree, a ball's as three turns."""
+    """Coordinates of the tree; a ball joint has three angles."""
     q, at = [], 0
     for one in work.bodies:
         own = values[at : at + one.width]
@@ -184,7 +184,7 @@ def coordinates(work, values):
 
 
 def values(work, q):
-    """Coordinates as they are written, a ball's as a quaternion."""
+    """Coordinates of the answer; a ball joint has a quaternion."""
     written_values, at = [], 0
     for one in work.bodies:
         if one.kind == "S":
@@ -200,13 +200,13 @@ def values(work, q):
 def linkage(path):
     work = workload.Linkage.read(path)
     mbs, drives = closed_tree(work, held=True)
-    told_to, solver = settings(work.gap), exu.MainSolverStatic()
+    options, solver = settings(work.gap), exu.MainSolverStatic()
     starts = [coordinates(work, guess) for guess in work.guesses]
 
     def one(q):
         for drive, link in drives:
             mbs.SetObjectParameter(drive, "offset", q[link])
-        found = solved(mbs, told_to, solver, q)
+        found = solved(mbs, options, solver, q)
         return None if found is None else values(work, found)
 
     return lambda: [one(q) for q in starts]

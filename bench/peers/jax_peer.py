@@ -1,13 +1,13 @@
-"""The closed equations in JAX, all poses at once on one thread: `python jax_peer.py x FILE` or `least FILE`.
+"""Worker for the closed equations in JAX, all poses at once on one thread: `python jax_peer.py x FILE` or `least FILE`.
 
-Newton's first two steps are without a loop, with the series for sine and cosine: so XLA fuses them into few passes.
-Poses that have not converged then pass a loop with JAX's own sine and cosine.
+The first two Newton steps have no loop and use series for sine and cosine, so that XLA fuses them into few passes.
+Poses that have not converged continue in a loop with sine and cosine of JAX.
 """
 
 import os
 import sys
 
-# The flags alone leave it two threads; one core leaves it one.
+# With the flags alone JAX uses two threads; the affinity to one core limits it to one.
 os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
 
@@ -25,7 +25,7 @@ def widest(x):
 
 
 def share(own, b):
-    """The residual as a share of what is allowed."""
+    """Largest residual as a fraction of the allowed one."""
     ended = [abs(b[k]) / own.half_gap[k] for k in range(3)]
     return jnp.maximum(jnp.maximum(ended[0], ended[1]), ended[2])
 

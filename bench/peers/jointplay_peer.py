@@ -1,4 +1,4 @@
-"""jointplay's Python package: `python jointplay_peer.py FILE [COPIES [THREADS]]`, the poses so many times after each other."""
+"""Worker for the Python package of jointplay: `python jointplay_peer.py FILE [COPIES [THREADS]]`; COPIES repeats the poses."""
 
 import sys
 
@@ -10,14 +10,14 @@ import work as workload
 def main(path, copies="1", threads="1"):
     work = workload.Gpr.read(path)
     gpr = robot(work)
-    asked = {"virtualization": "polar", "solver": "newton", "metric": work.metric}
+    options = {"virtualization": "polar", "solver": "newton", "metric": work.metric}
     rods = np.asfortranarray(np.tile(work.poses, (int(copies), 1)))
     out = {"virtual_joints": np.empty((len(rods), 6), order="F"), "residual_m": np.empty(len(rods))}
     single = [tuple(map(float, each)) for each in work.poses]
     count, number = len(single), int(threads)
 
     def solve():
-        return gpr.forward(rods, **asked, out=out, threads=number)
+        return gpr.forward(rods, **options, out=out, threads=number)
 
     def call(k):
         return gpr.forward(single[k % count], "polar", solver="newton", metric=work.metric)

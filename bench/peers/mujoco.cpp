@@ -1,8 +1,8 @@
-// The work of the bench with MuJoCo's kinematics, from its C interface.
+// Worker for the workloads of the bench with the kinematics of MuJoCo, through its C interface.
 //
-// mujoco gpr FILE, mujoco linkage FILE; the model is FILE with the ending .xml; see worker.hpp for what it answers.
-// MuJoCo's own solver makes loops soft, which is no position solve; here its kinematics and Jacobians drive a Newton
-// iteration of full steps. MuJoCo has least squares for positive definite matrices only, so Eigen solves the small systems.
+// Usage: mujoco gpr FILE, mujoco linkage FILE; the model is FILE with the extension .xml; worker.hpp describes the commands.
+// The solver of MuJoCo has soft loop constraints, and does not solve for positions. A Newton iteration with full steps
+// uses the kinematics and Jacobians of MuJoCo. MuJoCo solves positive definite systems only, so Eigen solves the small systems.
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Dense>
@@ -40,7 +40,7 @@ class Gpr : public Work {
  public:
   Gpr(std::istream& in, const std::string& xml) : work_(in), mujoco_(xml) {
     for (int k = 0; k < 3; ++k) {
-      // Bodies of MuJoCo: 0 is the world, 1 the platform, then one for turn and slide of each limb.
+      // Bodies of MuJoCo: 0 is the world, 1 the platform, 2 to 4 have the rotation and the slide of each limb.
       bodies_[k] = 2 + k;
       compliance_[2 * k] = 1.0 / (work_.metric * work_.metric);
       compliance_[2 * k + 1] = 1.0;
@@ -78,7 +78,7 @@ class Gpr : public Work {
         platform.middleRows<3>(3 * k) = jacobian.leftCols<6>();
         virtual_part.block<3, 2>(3 * k, 2 * k) = jacobian.middleCols<2>(6 + 2 * k);
       }
-      // The platform is free: what it cannot reach is left to the virtual joints, at their least.
+      // The free platform closes as much of the gap as possible; the virtual joints close the rest, with minimum norm.
       const Eigen::HouseholderQR<Eigen::Matrix<double, 9, 6>> qr(platform);
       virtual_part.applyOnTheLeft(qr.householderQ().adjoint());
       gap.applyOnTheLeft(qr.householderQ().adjoint());
@@ -137,7 +137,7 @@ class Linkage : public Work {
  private:
   bool solve_one(const std::vector<double>& guess, std::vector<double>& answer) {
     const auto [m, d] = std::pair(mujoco_.model, mujoco_.data);
-    // Bodies in the order told, a ball's quaternion with w first: as MuJoCo keeps them.
+    // The file has the order of MuJoCo: bodies as listed, quaternions of balls with w first.
     std::copy(guess.begin(), guess.end(), d->qpos);
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       mj_kinematics(m, d);
@@ -155,7 +155,7 @@ class Linkage : public Work {
     return false;
   }
 
-  // One side of a cut, and which free columns move it.
+  // One side of a cut, and the free columns that move it.
   struct ClosingSide {
     int body;
     Vector3d point;
@@ -168,10 +168,10 @@ class Linkage : public Work {
     ClosingSide sides[2];
   };
 
-  ClosingSide closing_side(const Side& told) const {
+  ClosingSide closing_side(const Side& side_in_file) const {
     using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-    ClosingSide side{told.body + 1, Eigen::Map<const Vector3d>(told.frame.point),
-                     Eigen::Map<const Rotation>(told.frame.rotation), {}};
+    ClosingSide side{side_in_file.body + 1, Eigen::Map<const Vector3d>(side_in_file.frame.point),
+                     Eigen::Map<const Rotation>(side_in_file.frame.rotation), {}};
     const mjModel* m = mujoco_.model;
     for (size_t k = 0; k < free_.size(); ++k) {
       for (int body = side.body; body > 0; body = m->body_parentid[body]) {
@@ -190,9 +190,9 @@ class Linkage : public Work {
       Eigen::Matrix3d rotations[2];
       for (int side = 0; side < 2; ++side) {
         const auto& [body, point, rotation, columns] = closing.sides[side];
-        const Eigen::Map<const Rotation> turned(d->xmat + 9 * body);
-        points[side] = turned * point + Eigen::Map<const Vector3d>(d->xpos + 3 * body);
-        if (closing.hinge) rotations[side] = turned * rotation;
+        const Eigen::Map<const Rotation> rotation_of_body(d->xmat + 9 * body);
+        points[side] = rotation_of_body * point + Eigen::Map<const Vector3d>(d->xpos + 3 * body);
+        if (closing.hinge) rotations[side] = rotation_of_body * rotation;
       }
       const auto x = rotations[0].col(0), y = rotations[0].col(1), z = rotations[1].col(2);
       const int row = closing.row;

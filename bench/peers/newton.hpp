@@ -1,10 +1,10 @@
-// Steps of Newton's iteration for the compiled workers: the quickest way for the shape of the equations.
+// Newton steps for the compiled workers, with the fastest decomposition for the shape of the equations.
 #pragma once
 
 #include <Eigen/Dense>
 
-// Solves J step = gap: with more equations than unknowns by least squares (some are redundant), with fewer by least norm
-// (rods spin idly). The normal equations lose digits of a step, which the next step makes good.
+// Solves J step = gap: by least squares for more equations than unknowns (redundant constraints), by minimum norm for
+// fewer (idle rotations of rods). The normal equations reduce the precision of a step, which the next step corrects.
 class NewtonStep {
  public:
   void solve(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& gap, Eigen::VectorXd& step) {

@@ -1,7 +1,7 @@
-"""The closed equations compiled by Numba: `python numba_peer.py x FILE` or `least FILE`.
+"""Worker for the closed equations compiled by Numba: `python numba_peer.py x FILE` or `least FILE`.
 
-First a loop without branches, which the compiler turns into vector instructions: the first step and one more for every pose.
-Then a plain loop over the poses that are not done.
+A loop without branches, which the compiler vectorizes, performs two steps for every pose.
+A second loop solves the poses that have not converged.
 """
 
 import math
@@ -17,7 +17,7 @@ whole = numba.njit(fastmath=True, error_model="numpy")
 
 
 def kernels(own):
-    """Functions with the robot's numbers in them, as constants of the compiler."""
+    """Functions that contain the dimensions of the robot as compile-time constants."""
     (r0, r1, r2), (c0, c1, c2), (s0, s1, s2) = own.radius, own.cosine, own.sine
     (v0, v1, v2), (n0, n1, n2) = own.level, own.nominal
     g0, g1, g2 = (1 / gap for gap in own.half_gap)
@@ -71,7 +71,7 @@ def kernels(own):
 
     @fast
     def near(l0, l1, l2, p0, p1, p2):
-        """Sides by the series."""
+        """Sides, with series for sine and cosine."""
         a, b, c = p1 - p0, p2 - p1, p0 - p2
         return (
             side(l0, l1, series_sin(a), series_cos(a), c0, s0),
@@ -81,7 +81,7 @@ def kernels(own):
 
     @fast
     def far(l0, l1, l2, p0, p1, p2):
-        """Sides by sine and cosine."""
+        """Sides, with sine and cosine of the library."""
         a, b, c = p1 - p0, p2 - p1, p0 - p2
         return (
             side(l0, l1, math.sin(a), math.cos(a), c0, s0),

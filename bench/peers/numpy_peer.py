@@ -1,4 +1,4 @@
-"""The closed equations in NumPy, all poses at once: `python numpy_peer.py x FILE` or `least FILE`."""
+"""Worker for the closed equations in NumPy, in blocks of poses: `python numpy_peer.py x FILE` or `least FILE`."""
 
 import math
 import sys
@@ -7,12 +7,12 @@ import closed_equations as closed
 import numpy as np
 import work as workload
 
-# Poses at a time: their numbers stay in the cache.
+# Number of poses in a block, whose arrays fit into the cache.
 BLOCK = 1200
 
 
 def iterate(own, wanted, least):
-    """X of a block and its residual; poses that are done step on with those that are not, which costs less than to part them."""
+    """X of a block and its residual; converged poses continue with the others, which is faster than separating them."""
     x = closed.start(own, wanted)
     settled = not least
     for _ in range(workload.ITERATIONS):
@@ -35,7 +35,7 @@ def iterate(own, wanted, least):
 
 
 def one(own, wanted):
-    """X of a single pose by Newton's iteration in plain numbers: arrays cost more than they save."""
+    """X of a single pose by Newton's iteration with Python numbers, which are faster than small arrays."""
     x = closed.start(own, wanted)
     for _ in range(workload.ITERATIONS):
         at = closed.sides(math, own, x)

@@ -1,7 +1,7 @@
-// The work of the bench with Pinocchio's kinematics, from C++.
+// Worker for the workloads of the bench with the kinematics of Pinocchio, from C++.
 //
-// pinocchio gpr FILE, pinocchio linkage FILE; see worker.hpp for what it answers.
-// Pinocchio is compiled from its headers here, so that the compiler sees through it.
+// Usage: pinocchio gpr FILE, pinocchio linkage FILE; worker.hpp describes the commands.
+// Pinocchio is compiled from its headers, so that the compiler can inline its functions.
 #include <pinocchio/algorithm/frames.hpp>
 #include <pinocchio/algorithm/jacobian.hpp>
 #include <pinocchio/algorithm/joint-configuration.hpp>
@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 
 constexpr int kIterations = 50;
 
-// The three-rod robot: a free platform, three turns about its middle, a slide on each, and a point on each slide.
+// The three-rod robot: a free platform with three rotations about its centre, a slide on each, and a point on each slide.
 class Gpr : public Work {
  public:
   explicit Gpr(std::istream& in) : work_(in) {
@@ -38,7 +38,7 @@ class Gpr : public Work {
     rest_[2] = work_.height;
     next_ = rest_;
     step_.resize(model_.nv);
-    // Columns: 0 to 5 the platform, then turn and slide of each limb.
+    // Columns: 0 to 5 for the platform, then rotation and slide of each limb.
     for (int k = 0; k < 3; ++k) {
       compliance_[2 * k] = 1.0 / (work_.metric * work_.metric);
       compliance_[2 * k + 1] = 1.0;
@@ -70,7 +70,7 @@ class Gpr : public Work {
       Eigen::Matrix<double, 9, 6> platform;
       Eigen::Matrix<double, 9, 6> virtual_part = Eigen::Matrix<double, 9, 6>::Zero();
       for (int k = 0; k < 3; ++k) {
-        // Columns of Data::J are spatial velocities at the origin; those of the point add angular × point.
+        // Columns of Data::J are spatial velocities at the origin; the velocity of a point adds angular × point.
         const Vector3d point = data_.oMi[slides_[k]].translation();
         const auto at_point = [&](int column) -> Vector3d {
           return data_.J.col(column).head<3>() + Vector3d(data_.J.col(column).tail<3>()).cross(point);
@@ -78,7 +78,7 @@ class Gpr : public Work {
         for (int column = 0; column < 6; ++column) platform.block<3, 1>(3 * k, column) = at_point(column);
         for (int own = 0; own < 2; ++own) virtual_part.block<3, 1>(3 * k, 2 * k + own) = at_point(6 + 2 * k + own);
       }
-      // The platform is free: what it cannot reach is left to the virtual joints, at their least.
+      // The free platform closes as much of the gap as possible; the virtual joints close the rest, with minimum norm.
       const Eigen::HouseholderQR<Eigen::Matrix<double, 9, 6>> qr(platform);
       virtual_part.applyOnTheLeft(qr.householderQ().adjoint());
       gap.applyOnTheLeft(qr.householderQ().adjoint());
@@ -119,13 +119,13 @@ class Linkage : public Work {
  public:
   explicit Linkage(std::istream& in) : work_(in) {
     for (size_t body = 0; body < work_.bodies.size(); ++body) {
-      const auto& told = work_.bodies[body];
-      const pin::JointIndex parent = told.parent < 0 ? 0 : joints_[told.parent];
-      const pin::SE3 place = frame(told.in_parent);
+      const auto& body_in_file = work_.bodies[body];
+      const pin::JointIndex parent = body_in_file.parent < 0 ? 0 : joints_[body_in_file.parent];
+      const pin::SE3 place = frame(body_in_file.in_parent);
       const auto name = "body" + std::to_string(body);
-      if (told.kind == 'R') joints_.push_back(model_.addJoint(parent, pin::JointModelRZ(), place, name));
-      if (told.kind == 'P') joints_.push_back(model_.addJoint(parent, pin::JointModelPZ(), place, name));
-      if (told.kind == 'S') joints_.push_back(model_.addJoint(parent, pin::JointModelSpherical(), place, name));
+      if (body_in_file.kind == 'R') joints_.push_back(model_.addJoint(parent, pin::JointModelRZ(), place, name));
+      if (body_in_file.kind == 'P') joints_.push_back(model_.addJoint(parent, pin::JointModelPZ(), place, name));
+      if (body_in_file.kind == 'S') joints_.push_back(model_.addJoint(parent, pin::JointModelSpherical(), place, name));
     }
     data_ = pin::Data(model_);
     for (size_t body = 0; body < joints_.size(); ++body) {
@@ -150,11 +150,11 @@ class Linkage : public Work {
   }
 
  private:
-  static pin::SE3 frame(const Frame& told) {
+  static pin::SE3 frame(const Frame& frame_in_file) {
     pin::SE3 place;
     for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) place.rotation()(row, column) = told.rotation[3 * row + column];
-      place.translation()[row] = told.point[row];
+      for (int column = 0; column < 3; ++column) place.rotation()(row, column) = frame_in_file.rotation[3 * row + column];
+      place.translation()[row] = frame_in_file.point[row];
     }
     return place;
   }
@@ -164,7 +164,7 @@ class Linkage : public Work {
     for (size_t body = 0; body < joints_.size(); ++body) {
       const int first = model_.idx_qs[joints_[body]];
       if (work_.bodies[body].kind == 'S') {
-        // Told w, x, y, z; Pinocchio keeps x, y, z, w.
+        // Quaternions are w, x, y, z in the file, and x, y, z, w in Pinocchio.
         for (int k = 0; k < 4; ++k) q_[first + (k + 3) % 4] = guess[at + k];
         at += 4;
       } else {
@@ -188,7 +188,7 @@ class Linkage : public Work {
     return false;
   }
 
-  // One side of a cut: where it stands on its body, and which free columns move it.
+  // One side of a cut: its pose on the body, and the free columns that move it.
   struct ClosingSide {
     pin::JointIndex joint;
     pin::SE3 on_body;
@@ -200,8 +200,8 @@ class Linkage : public Work {
     ClosingSide sides[2];
   };
 
-  ClosingSide closing_side(const Side& told) const {
-    ClosingSide side{told.body < 0 ? 0 : joints_[told.body], frame(told.frame), {}};
+  ClosingSide closing_side(const Side& side_in_file) const {
+    ClosingSide side{side_in_file.body < 0 ? 0 : joints_[side_in_file.body], frame(side_in_file.frame), {}};
     const auto& supports = model_.supports[side.joint];
     for (size_t k = 0; k < free_.size(); ++k) {
       const auto moves = [&](pin::JointIndex joint) {

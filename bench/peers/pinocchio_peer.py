@@ -1,4 +1,4 @@
-"""The work of the bench with Pinocchio from Python: its kinematics, numpy's algebra.
+"""Worker for the workloads of the bench with Pinocchio from Python: kinematics of Pinocchio, linear algebra of NumPy.
 
 python pinocchio_peer.py gpr FILE, python pinocchio_peer.py linkage FILE
 """
@@ -11,7 +11,7 @@ import work as workload
 
 
 def cross_columns(linear, angular, point):
-    """Velocity of a point, for twists (a column each) at the origin."""
+    """Velocities of a point for twists at the origin, one column for each twist."""
     x, y, z = point
     lift = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
     return linear + lift @ angular
@@ -75,7 +75,7 @@ def linkage(path):
         order.extend([q + 3, q, q + 1, q + 2] if body.kind == "S" else [q])
         free.extend([] if body.driven else range(v, v + model.nvs[joint]))
     frames = [[pin.SE3(*frame) for frame in cut.frames] for cut in work.cuts]
-    # Which columns move each side of each cut.
+    # Columns that move each side of each cut.
     supports = []
     for cut in work.cuts:
         moving = []

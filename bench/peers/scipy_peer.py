@@ -1,7 +1,7 @@
-"""The workload of the bench by means of scipy alone: least squares over the coordinates.
+"""Worker for the workloads of the bench with SciPy alone: least squares over the coordinates.
 
 python scipy_peer.py gpr FILE, python scipy_peer.py linkage FILE; slsqp FILE and trust-constr FILE for the closed equations of the robot
-The robot's least displacement is found by weak springs in addition to the gaps, then the gaps are closed alone; of the closed equations, by an optimiser.
+For the least displacement of the robot, least squares of gaps and weak springs precede least squares of the gaps alone; for the closed equations an optimiser finds it.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 import work as workload
 from scipy.optimize import NonlinearConstraint, least_squares, minimize
 
-# Every so many poses only: at this speed all of them take minutes.
+# Computes every 40th pose only, because of the computation time.
 STRIDE = 40
 TIGHT = {"xtol": 1e-15, "ftol": 1e-15, "gtol": 1e-15}
 
@@ -58,7 +58,7 @@ def gpr(path):
 
 
 def closed(path, method):
-    """The least displacement under the closed equations, with exact derivatives."""
+    """Least displacement under the closed equations, with exact derivatives."""
     work = workload.Gpr.read(path)
     own = closed_equations.constants(work)
 
@@ -100,7 +100,7 @@ def linkage(path):
         def gaps(unknowns):
             values = guess.copy()
             values[free] = unknowns
-            # Lengths of quaternions are asked to be one, so that they do not run away.
+            # Unit norms of quaternions are additional equations, so that the norms do not drift.
             return np.concatenate([work.gaps(values), [values[own] @ values[own] - 1 for own in balls]])
 
         found = least_squares(gaps, guess[free], **TIGHT).x

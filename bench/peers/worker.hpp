@@ -1,7 +1,7 @@
-// What the compiled workers of the bench share: the work as told, and how they answer.
+// Workload and commands of the compiled workers of the bench.
 //
-// A worker prints "ready", then answers "run N" by doing all of its work N times, and "write FILE" by writing its answers;
-// some also answer "call N" by N single calls.
+// A worker prints "ready", then reads commands: "run N" computes the whole work N times, "write FILE" writes the answers,
+// and with some workers "call N" performs N single calls.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-// A rotation by rows, and a point.
+// Pose: a rotation matrix by rows, and a point [m].
 struct Frame {
   double rotation[9];
   double point[3];
@@ -27,7 +27,7 @@ inline std::istream& operator>>(std::istream& in, Frame& frame) {
   return in;
 }
 
-// The three-rod robot, and the rods of each pose.
+// Workload of the three-rod robot: its dimensions, and the rods of each pose [m].
 struct GprWork {
   double radius[3], direction[3][2], base[3][2];
   double metric, height, gap;
@@ -39,11 +39,11 @@ struct GprWork {
     in >> metric >> height >> gap >> count;
     poses.resize(count);
     for (auto& rods : poses) in >> rods[0] >> rods[1] >> rods[2];
-    if (!in) throw std::runtime_error("the work cannot be read");
+    if (!in) throw std::runtime_error("the file of the workload cannot be read");
   }
 };
 
-// A body that hangs on another by a joint about or along z, or by a ball.
+// Body that is connected to its parent by a joint about or along z, or by a ball joint.
 struct Body {
   int parent;
   char kind;
@@ -56,13 +56,13 @@ struct Side {
   Frame frame;
 };
 
-// What closes a loop: a hinge or a ball.
+// Joint that closes a loop: a hinge or a ball joint.
 struct Cut {
   char kind;
   Side sides[2];
 };
 
-// A mechanism, and the coordinates that each of its positions is searched from.
+// Workload of a mechanism: its bodies and cuts, and the initial guess of each position.
 struct LinkageWork {
   std::vector<Body> bodies;
   std::vector<Cut> cuts;
@@ -86,17 +86,17 @@ struct LinkageWork {
     for (auto& guess : guesses) {
       for (double& number : guess) in >> number;
     }
-    if (!in) throw std::runtime_error("the work cannot be read");
+    if (!in) throw std::runtime_error("the file of the workload cannot be read");
   }
 };
 
 class Work {
  public:
   virtual ~Work() = default;
-  // Solves everything; how many were solved.
+  // Computes the whole work, and returns the number of solved positions.
   virtual int solve() = 0;
-  // Solves that many positions by a call each; how many were solved.
-  virtual int call(int) { throw std::runtime_error("this worker does not answer single calls"); }
+  // Computes as many positions by single calls, and returns the number of solved positions.
+  virtual int call(int) { throw std::runtime_error("this worker does not support the command call"); }
 
   virtual void write(const std::string& path) {
     FILE* out = std::fopen(path.c_str(), "w");
@@ -112,31 +112,31 @@ class Work {
   std::vector<std::vector<double>> answers_;
 };
 
-// Answers for one worker, whose work is made of what it is called and of a file: WHAT FILE.
+// Runs a worker with the arguments WHAT FILE: the name of its work, and the file of the workload.
 template <class Make>
 int serve(int count, char** words, Make make) {
   if (count != 3) {
-    std::cerr << "say: WHAT FILE\n";
+    std::cerr << "usage: WHAT FILE\n";
     return 2;
   }
   try {
     std::ifstream file(words[2]);
     std::unique_ptr<Work> work = make(words[1], file);
-    if (!work) throw std::runtime_error(std::string("there is no work called ") + words[1]);
+    if (!work) throw std::runtime_error(std::string("unknown work ") + words[1]);
     std::cout << "ready" << std::endl;
     std::string line;
     while (std::getline(std::cin, line)) {
-      std::istringstream said(line);
-      std::string what, rest;
-      said >> what >> rest;
-      if (what == "run") {
+      std::istringstream words_of_line(line);
+      std::string command, argument;
+      words_of_line >> command >> argument;
+      if (command == "run") {
         int solved = 0;
-        for (int times = std::stoi(rest); times > 0; --times) solved = work->solve();
+        for (int times = std::stoi(argument); times > 0; --times) solved = work->solve();
         std::cout << "done " << solved << std::endl;
-      } else if (what == "call") {
-        std::cout << "done " << work->call(std::stoi(rest)) << std::endl;
-      } else if (what == "write") {
-        work->write(rest);
+      } else if (command == "call") {
+        std::cout << "done " << work->call(std::stoi(argument)) << std::endl;
+      } else if (command == "write") {
+        work->write(argument);
         std::cout << "done" << std::endl;
       } else {
         throw std::runtime_error("expected run N, call N or write FILE");
@@ -149,7 +149,7 @@ int serve(int count, char** words, Make make) {
   return 0;
 }
 
-// The same for workers of the robot and of linkages: gpr FILE or linkage FILE.
+// Runs a worker for the robot or for linkages, with the arguments gpr FILE or linkage FILE.
 template <class Gpr, class Linkage>
 int serve(int count, char** words) {
   return serve(count, words, [](const std::string& what, std::istream& in) -> std::unique_ptr<Work> {

@@ -70,7 +70,7 @@ namespace Jointplay.SolidWorks
                     ? (isAngle[k] ? value * Math.PI / 180 : value / 1000)
                     : positions[coordinate];
             }
-            // Positions of a solution that fails are not kept.
+            // Positions of a failed solution are discarded.
             var solved = (double[])positions.Clone();
             mechanism.Solve(drives, solved);
             Array.Copy(solved, positions, positions.Length);

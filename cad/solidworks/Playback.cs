@@ -23,7 +23,7 @@ namespace Jointplay.SolidWorks
         // Rows of the 3×4 matrix; column vectors are multiplied from the right.
         private readonly double[,] rows = new double[3, 4];
 
-        /// <summary>Of a unit quaternion (real part first) and a translation [m].</summary>
+        /// <summary>Pose from a unit quaternion (real part first) and a translation [m].</summary>
         public static Pose Of(double w, double x, double y, double z, double px, double py, double pz)
         {
             double norm = Math.Sqrt(w * w + x * x + y * y + z * z);
@@ -45,7 +45,7 @@ namespace Jointplay.SolidWorks
             return pose;
         }
 
-        /// <summary>Of the array of a transform of SolidWorks, which multiplies row vectors from the left.</summary>
+        /// <summary>Pose from the array of a transform of SolidWorks, which multiplies row vectors from the left.</summary>
         public static Pose OfArray(double[] array)
         {
             var pose = new Pose();
@@ -57,7 +57,7 @@ namespace Jointplay.SolidWorks
             return pose;
         }
 
-        /// <summary>Of 16 numbers by rows, as in jointplay.h, from an index on.</summary>
+        /// <summary>Pose from 16 numbers by rows, as in jointplay.h, beginning at an index.</summary>
         public static Pose OfRows(double[] rows, int from)
         {
             var pose = new Pose();
@@ -202,8 +202,8 @@ namespace Jointplay.SolidWorks
             }
         }
 
-        /// <summary>Refuses components that are fixed though a link moves, and assemblies without one that moves.</summary>
-        /// <param name="moves">Whether a link moves from where it is drawn.</param>
+        /// <summary>Rejects fixed components of moving links, and assemblies without a component of a moving link.</summary>
+        /// <param name="moves">Whether a link moves from its drawn pose.</param>
         public void Check(Func<string, bool> moves)
         {
             bool any = false;

@@ -1,7 +1,7 @@
 //! `cargo xtask words`: do documents, help, messages, comments and identifiers use the field's terms?
 //!
 //! `xtask/words.toml` lists words to avoid with the terms to write instead, and the exceptions with their reasons.
-//! In Rust files comments, string literals and identifiers are read; in the studio's sources, TOML and Markdown every line.
+//! In Rust files comments, string literals and identifiers are read; in notebooks the source of the cells, without outputs; in Markdown, TOML and all other sources every line.
 
 use crate::finding::{self, Finding};
 use crate::rust_source::{RustSource, words};
@@ -13,10 +13,19 @@ use std::path::Path;
 const LIST: &str = "xtask/words.toml";
 
 /// Endings of the files that are read as plain text.
-const PLAIN: [&str; 7] = [".md", ".svelte", ".ts", ".mjs", ".toml", ".py", ".program"];
+const PLAIN: [&str; 16] = [
+    ".md", ".svelte", ".ts", ".mjs", ".toml", ".py", ".pyi", ".program", ".c", ".h", ".cpp",
+    ".hpp", ".cs", ".sh", ".html", ".css",
+];
 
-/// Files that are not read: the list itself, and what programs wrote.
-const UNREAD: [&str; 4] = [LIST, "Cargo.lock", "REFERENCES.md", "crates/jointplay-studio/page/"];
+/// Files that are not read: the list itself, titles of publications, and generated files.
+const UNREAD: [&str; 5] = [
+    LIST,
+    "Cargo.lock",
+    "REFERENCES.md",
+    "crates/jointplay-c/include/",
+    "crates/jointplay-studio/page/",
+];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -75,12 +84,74 @@ fn check(tree: &Tree) -> Result<Vec<Finding>, String> {
             let source = RustSource::new(text);
             list.find(path, text, &source.prose(), Let::OutsideCodeBlocks, &mut findings);
             list.find_names(path, text, &source.code, &mut findings);
+        } else if path.ends_with(".ipynb") {
+            let source = NotebookSource::new(text);
+            list.find(path, text, &source.prose, Let::OutsideCodeBlocks, &mut findings);
+            list.find(path, text, &source.code, Let::Nowhere, &mut findings);
+            findings.extend(source.unread.map(|line| Finding::new(path, line, COMPACT)));
         } else if PLAIN.iter().any(|ending| path.ends_with(ending)) {
             let keyword = if path.ends_with(".md") { Let::OutsideCodeBlocks } else { Let::Nowhere };
             list.find(path, text, text, keyword, &mut findings);
         }
     }
     Ok(findings)
+}
+
+/// Message about a notebook whose cells cannot be read line by line.
+const COMPACT: &str =
+    "cells are not read: write each line of their source on a line of the file, as Jupyter does";
+
+/// Source of the cells of a notebook, without outputs and metadata.
+///
+/// Each part has the lines of the file; lines without source are blank.
+#[derive(Default)]
+struct NotebookSource {
+    /// Source of Markdown and raw cells.
+    prose: String,
+    /// Source of code cells.
+    code: String,
+    /// First line, from 1, that contains the source of a cell and other keys.
+    unread: Option<usize>,
+}
+
+impl NotebookSource {
+    /// Reads a notebook in the layout of Jupyter: one key or one line of source on each line of the file.
+    fn new(text: &str) -> Self {
+        let mut notebook = Self::default();
+        let (mut is_code, mut in_list) = (false, false);
+        for (i, line) in text.lines().enumerate() {
+            let line = line.trim();
+            let value = line.strip_suffix(',').unwrap_or(line);
+            let mut source = None;
+            if in_list {
+                in_list = value != "]";
+                source = unquoted(value);
+            } else if let Some(kind) = value.strip_prefix("\"cell_type\":") {
+                is_code = kind.trim_start() == "\"code\"";
+            } else if let Some(list) = value.strip_prefix("\"source\":") {
+                in_list = list.trim_start() == "[";
+                source = unquoted(list);
+            } else if value.contains("\"source\":") {
+                // Quotes within strings of JSON are escaped, so that this is a key.
+                notebook.unread.get_or_insert(i + 1);
+            }
+            let (own, other) = if is_code {
+                (&mut notebook.code, &mut notebook.prose)
+            } else {
+                (&mut notebook.prose, &mut notebook.code)
+            };
+            own.push_str(&source.unwrap_or_default().replace('\n', " "));
+            own.push('\n');
+            other.push('\n');
+        }
+        notebook
+    }
+}
+
+/// Text of a string of JSON, or of a list of strings; `None` for brackets of a list.
+fn unquoted(json: &str) -> Option<String> {
+    let one = serde_json::from_str::<String>(json);
+    one.or_else(|_| serde_json::from_str::<Vec<String>>(json).map(|lines| lines.concat())).ok()
 }
 
 /// Lines in which `let` is a word of prose; elsewhere it begins a declaration.
@@ -237,6 +308,64 @@ mod tests {
             ["1: \"let\": write report", "3: \"told\": write report", "5: \"let\": write report"]
         );
         assert_eq!(found("a.md", "```rust\nlet x = 1;\n```\nlet"), ["4: \"let\": write report"]);
+    }
+
+    #[test]
+    fn sources_of_other_languages_are_read() {
+        for path in ["a.c", "a.h", "a.cpp", "a.hpp", "a.cs", "a.sh", "a.html", "a.css", "a.pyi"] {
+            assert_eq!(found(path, "let\n/* as told */"), ["2: \"told\": write report"], "{path}");
+        }
+        assert_eq!(found("crates/jointplay-c/include/a.h", "told"), <[&str; 0]>::default());
+    }
+
+    #[test]
+    fn cells_of_notebooks_are_read_and_outputs_are_not() {
+        let notebook = r##"{
+ "cells": [
+  {
+   "cell_type": "markdown",
+   "metadata": {"note": "told"},
+   "source": [
+    "let \"it\" be\n",
+    "as told, \"source\": 1\n"
+   ]
+  },
+  {
+   "cell_type": "code",
+   "outputs": [
+    {
+     "text": [
+      "told"
+     ]
+    }
+   ],
+   "source": [
+    "let = 1\n",
+    "print(\"\\ttold\")\n",
+    "\ttold]"
+   ]
+  },
+  {
+   "cell_type": "raw",
+   "source": "told\nonce"
+  }
+ ]
+}
+"##;
+        let expect = [
+            "7: \"let\": write report",
+            "8: \"told\": write report",
+            "28: \"told\": write report",
+            "23: \"told\": write report",
+        ];
+        assert_eq!(found("a.ipynb", notebook), expect);
+        assert_eq!(found("a.json", notebook), <[&str; 0]>::default());
+    }
+
+    #[test]
+    fn a_compact_notebook_is_reported() {
+        let notebook = r#"{"cells": [{"cell_type": "markdown", "source": ["told"]}]}"#;
+        assert_eq!(found("a.ipynb", notebook), [format!("1: {COMPACT}")]);
     }
 
     #[test]

@@ -1,9 +1,9 @@
-/* The closed equations as CasADi generates them (casadi_source.py), in loops by hand. */
+/* The closed equations as C code that CasADi generates (casadi_source.py), in hand-written loops. */
 #include "closed.h"
 
 #include GENERATED
 
-/* Up to this turn between neighbours the series are good to the last digit [rad]. */
+/* Largest angle between neighbouring sockets for which the series are exact to round-off [rad]. */
 #define SERIES 0.25
 #define STEPS 50
 #define FAR 1e300
@@ -16,7 +16,7 @@ static inline double one_newton(const double rods[3], double x[6]) {
   return widest <= SERIES ? share : FAR;
 }
 
-/* Goes on from x, with sine and cosine of the library. */
+/* Continues the iteration from x, with sine and cosine of the library. */
 static double rest_of_newton(const double rods[3], double x[6], double share) {
   double next[6];
   const double *arg[2] = {rods, x};

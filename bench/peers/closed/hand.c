@@ -1,8 +1,8 @@
-/* The closed equations by hand: pose by pose with LANES 1, else LANES poses at once in vectors of the compiler.
+/* The closed equations in hand-written C: pose by pose with LANES 1, otherwise LANES poses at once in vectors of the compiler.
  *
- * TEXTBOOK leaves out the series and the step made once. Else it is what an expert would do: law of cosines instead of points, no roots, sines and cosines of the small turns between
- * sockets by their series, the first step from nominal (a constant matrix) made once for all, symmetric 3×3 systems
- * by their adjugate with a single division.
+ * The code is optimized: law of cosines instead of points, no roots, series for sines and cosines of the small angles
+ * between sockets, a first step from nominal with a constant matrix, and symmetric 3×3 systems by their adjugate with a
+ * single division. TEXTBOOK disables the series and the constant first step.
  */
 #include "closed.h"
 
@@ -27,7 +27,7 @@ static inline real choose(mask where, real a, real b) {
 }
 static inline real magnitude(real a) { return (real)((mask)a & 0x7fffffffffffffffLL); }
 static inline real larger(real a, real b) { return choose(a > b, a, b); }
-/* Whether all lanes are; NaN is not. */
+/* Whether all lanes are within the bound; NaN is not. */
 static inline int within(real a, double bound) {
   mask in = a <= bound;
   long long all = -1;
@@ -36,7 +36,7 @@ static inline int within(real a, double bound) {
 }
 #endif
 
-/* Beyond this turn between neighbours the series would miss the last digit [rad]. */
+/* Largest angle between neighbouring sockets for which the series are exact to round-off [rad]. */
 #ifdef TEXTBOOK
 #define SERIES -1.0
 #else
@@ -44,13 +44,13 @@ static inline int within(real a, double bound) {
 #endif
 #define STEPS 50
 
-/* Sides 01, 12, 20; what of the robot does not change from pose to pose. */
+/* Constants of the robot, the same for all poses; sides in the order 01, 12, 20. */
 struct constants {
   double radius[3], cosine[3], sine[3];
   double level[3];     /* |B_j − B_i|² */
-  double half_gap[3];  /* |F|/2 up to which a side is within the gap: |L − l| = |F|/(L + l), and L ≥ √level */
+  double half_gap[3];  /* largest |F|/2 of a side within the gap: |L − l| = |F|/(L + l), and L ≥ √level */
   double nominal[3];   /* |p_j − p_i|²/2 at nominal */
-  double first[6][3];  /* the first step: X − X_0 by F/2 */
+  double first[6][3];  /* matrix of the first step: ∂(X − X_0)/∂(F/2) */
   double stiffness;    /* 1/ρ² */
 };
 
@@ -76,7 +76,7 @@ static inline void sine_cosine(real a, real *s, real *c) {
   series(a, s, c);
 }
 
-/* Half the squared side i–j and half its derivatives by l_i, l_j and φ_j (minus that by φ_i). */
+/* Half of the squared side i–j, and half of its derivatives by l_i, l_j and φ_j; the derivative by φ_i is minus the last. */
 struct side {
   real square, by_i, by_j, by_turn;
 };
@@ -86,7 +86,7 @@ static inline struct side side_of(real li, real lj, real s, real c, double cosin
   return (struct side){0.5 * (li * li + lj * lj) - li * lj * along, li - lj * along, lj - li * along, li * lj * across};
 }
 
-/* W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ b, halves of J and b. */
+/* W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ b, with half of J and half of b. */
 static inline void step_of(const struct side *at, const real *b, double stiffness, real *step) {
   real k01 = stiffness * at[0].by_turn, k12 = stiffness * at[1].by_turn, k20 = stiffness * at[2].by_turn;
   real xx = at[0].by_i * at[0].by_i + at[0].by_j * at[0].by_j + 2. * (k01 * at[0].by_turn);
@@ -118,7 +118,7 @@ static inline void sides_at(const struct constants *is, const real *x, struct si
   }
 }
 
-/* X after the first step from nominal, and half the squares of the sides to reach. */
+/* X after the first step from nominal, and half of the squared sides that the rods determine. */
 static inline void begin(const struct constants *is, const real *rods, real *x, real *wanted) {
   real b[3];
   for (int k = 0; k < 3; ++k) {
@@ -134,13 +134,13 @@ static inline void begin(const struct constants *is, const real *rods, real *x, 
   for (int k = 0; k < 3; ++k) x[k] += is->radius[k];
 }
 
-/* The largest gap as a share of what is allowed, so that one comparison does. */
+/* The largest residual as a fraction of the allowed one, so that one comparison is sufficient. */
 static inline real share_of(const struct constants *is, const real *b) {
   return larger(larger(magnitude(b[0]) * (1. / is->half_gap[0]), magnitude(b[1]) * (1. / is->half_gap[1])),
                 magnitude(b[2]) * (1. / is->half_gap[2]));
 }
 
-/* From rods to X and the residual. */
+/* Computes X and the residual from the rods. */
 static inline void solve(const struct constants *is, int least, const real *rods, double metric, double gap, real *x,
                          real *residual) {
   real wanted[3], b[3], step[6];
@@ -185,7 +185,7 @@ static inline real root(real a) {
 #endif
 }
 
-/* From rods and X to the rotation by rows and the point that carry the sockets onto the balls. */
+/* Computes from rods and X the rotation (by rows) and the point of the pose that maps the sockets onto the balls. */
 static inline void place(const struct closed_robot *robot, const real *rods, const real *x, real *pose) {
   real px[3], py[3];
   for (int k = 0; k < 3; ++k) {
@@ -282,7 +282,7 @@ static inline size_t every(const struct closed_robot *robot, int least, int with
 
 size_t closed_many(const struct closed_robot *robot, enum closed_want want, size_t count, const double *const rods[3],
                    double *const out[]) {
-  /* Three calls that are inlined, so that each is compiled for itself. */
+  /* The compiler inlines and specializes each of the three calls. */
   if (want == CLOSED_X) return every(robot, 0, 0, count, rods, out);
   if (want == CLOSED_POSE) return every(robot, 0, 1, count, rods, out);
   return every(robot, 1, 0, count, rods, out);

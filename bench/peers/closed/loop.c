@@ -1,7 +1,7 @@
-/* The closed equations in a plain loop over poses without branches, which the compiler turns into vectors by itself.
+/* The closed equations in a loop over poses without branches, which the compiler vectorizes.
  *
- * Two steps of Newton's for every pose; what is not done then goes on pose by pose, by hand.c.
- * Every number is a variable of its own: arrays keep compilers from it.
+ * The loop performs two Newton steps for each pose; hand.c solves the poses that have not converged, one by one.
+ * Each number is a separate variable, because arrays prevent the vectorization.
  */
 #define closed_many closed_many_by_hand
 #include "hand.c"

@@ -100,7 +100,7 @@ namespace Jointplay
         public JointplayException(int code, string text) : base(text) { Code = code; }
     }
 
-    /// <summary>A handle that is freed once, also where nobody disposes it.</summary>
+    /// <summary>A handle that is freed exactly once, by Dispose or by the finalizer.</summary>
     public abstract class Handle : SafeHandle
     {
         protected Handle() : base(IntPtr.Zero, true) { }

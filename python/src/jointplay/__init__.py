@@ -192,6 +192,6 @@ __all__ = [
 
 for _name in __all__:
     if isinstance(globals()[_name], type):
-        # Messages and pickles name the package, not its private modules.
+        # Messages and pickles contain the name of the package, not of its private modules.
         globals()[_name].__module__ = __name__
 del _name

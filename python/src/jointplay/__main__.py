@@ -1,4 +1,4 @@
-"""The ``jointplay`` command, also as ``python -m jointplay``."""
+"""The command ``jointplay``, which ``python -m jointplay`` also runs."""
 
 import signal
 import sys
@@ -7,8 +7,8 @@ from ._jointplay import run_command
 
 
 def main() -> None:
-    """Runs the command with the arguments of this process, and ends the process with its exit code."""
-    # Python would handle an interruption only after the command.
+    """Runs the command with the arguments of this process, and exits with its exit code."""
+    # Python would handle an interrupt only after the command has ended.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(run_command(["jointplay", *sys.argv[1:]]))
 

@@ -1,4 +1,4 @@
-"""Results of what the three-rod robot is asked besides its poses."""
+"""Results of the analyses and studies of the three-rod robot."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AugmentedMobility(Result):
-    """Mobility with the virtual joints free."""
+    """Mobility of the three-rod robot with its virtual joints free."""
 
     virtualization: str
     """Name of the virtualization."""
     mobility: int
-    """Instantaneous mobility."""
+    """Instantaneous mobility with the virtual joints free."""
     rank: int
-    """Independent constraints."""
+    """Number of independent constraints."""
     singular_values: Floats
-    """Of the scaled Jacobian [∂Φ/∂P ∂Φ/∂X], the largest first."""
+    """Singular values of the scaled Jacobian [∂Φ/∂P ∂Φ/∂X], in descending order."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -34,7 +34,7 @@ class Freedoms(Result):
     """Kutzbach, instantaneous and finite mobility."""
 
     kutzbach_mobility: int
-    """Freedoms by the Kutzbach–Grübler count."""
+    """Kutzbach mobility, from the numbers of freedoms and constraints."""
     instantaneous_mobility: int
     """Instantaneous mobility h."""
     finite_mobility: int | None
@@ -42,13 +42,13 @@ class Freedoms(Result):
     finite_mobility_bounds: tuple[int, int]
     """Bounds between which the finite mobility lies."""
     rank: int
-    """Independent constraints."""
+    """Number of independent constraints."""
     redundancy: int
     """Number of redundant constraints r."""
     threshold: float
-    """Singular values at or below it count as zero."""
+    """Threshold at or below which singular values count as zero."""
     characteristic_length_m: float
-    """Length in which the Jacobian is scaled [m]."""
+    """Characteristic length, which scales the Jacobian [m]."""
 
     def _repr_latex_(self) -> str:
         low, high = self.finite_mobility_bounds
@@ -65,39 +65,39 @@ class Freedoms(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mobility(Freedoms):
-    """What of the three-rod robot can move.
+    """Mobility of the three-rod robot.
 
-    Coordinates are q_1, q_2, q_3, P_1, P_2, P_3; constraints three of each rod, then the sides 12, 23, 31.
+    The coordinates are q_1, q_2, q_3, P_1, P_2, P_3; the constraints are three for each rod, then the sides 12, 23, 31.
     """
 
     singular_values: Floats
-    """Of the scaled constraint Jacobian, the largest first."""
+    """Singular values of the scaled constraint Jacobian, in descending order."""
     null_space: Floats
-    """Basis of the instantaneous motions, shape (n, h), one per column, in radians and characteristic lengths."""
+    """Basis of the instantaneous motions as columns, shape (n, h), in radians and characteristic lengths."""
     self_stress: Floats
-    """Orthonormal self-stresses, shape (c, r), a column each."""
+    """Orthonormal self-stresses as columns, shape (c, r)."""
     augmented: AugmentedMobility | None
-    """With the virtual joints free, if a virtualization was given."""
+    """Mobility with the virtual joints free; ``None`` if no virtualization was given."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sensitivity(Result):
-    """∂X/∂P in the metric, angles multiplied by the characteristic length."""
+    """Sensitivity ∂X/∂P in the metric, angles multiplied by the characteristic length."""
 
     matrix: Floats
-    """∂X/∂P, shape (M, 12); columns are q_1, q_2, q_3, P_1, P_2, P_3."""
+    """Matrix ∂X/∂P, shape (M, 12), with columns for q_1, q_2, q_3, P_1, P_2, P_3."""
     rank: int
     """Number of non-zero singular values, r."""
     singular_values: Floats
-    """The largest first."""
+    """Singular values of ∂X/∂P, in descending order."""
     right_vectors: Floats
     """Right singular vectors of the non-zero singular values, shape (12, r)."""
     characteristic_length_m: float
-    """Length by which angles are multiplied [m]."""
+    """Characteristic length, by which angles are multiplied [m]."""
     virtualization: str
     """Name of the virtualization."""
     virtual_joint_names: tuple[str, ...]
-    """What the rows are."""
+    """Names of the virtual joints, one for each row."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,78 +105,78 @@ class Bounds(Result):
     """First-order bounds of the virtual displacement."""
 
     lower_m: float
-    """σ_min ‖V₃ᵀΔP‖ [m]."""
+    """Lower bound σ_min ‖V₃ᵀΔP‖ [m]."""
     upper_m: float
-    """σ_max ‖V₃ᵀΔP‖ [m]."""
+    """Upper bound σ_max ‖V₃ᵀΔP‖ [m]."""
     eigenvalue_lower_m: float
-    """The lower bound by eigenvalues [m]."""
+    """Lower bound by eigenvalues [m]."""
     eigenvalue_upper_m: float
-    """The upper bound by eigenvalues [m]."""
+    """Upper bound by eigenvalues [m]."""
     coarse_upper_m: float
-    """σ_max ‖ΔP‖ [m]."""
+    """Coarse upper bound σ_max ‖ΔP‖ [m]."""
     linear_m: float
-    """‖∂X/∂P ΔP‖ [m]."""
+    """Linear estimate ‖∂X/∂P ΔP‖ [m]."""
     held: bool
-    """Whether the true displacement lies between ``lower_m`` and ``upper_m``."""
+    """Whether the exact displacement is between ``lower_m`` and ``upper_m``."""
     sensitivity: Sensitivity
-    """∂X/∂P where the bounds were taken."""
+    """Sensitivity ∂X/∂P from which the bounds are computed."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TiltPlay(Result):
-    """Displacement of the virtual joints from level to a tilt, with first-order bounds."""
+    """Displacement of the virtual joints from the level pose to a tilt, with first-order bounds."""
 
     start: Forward
-    """The level pose."""
+    """Level pose, at the start of the motion."""
     end: Forward
-    """The tilted pose."""
+    """Tilted pose, at the end of the motion."""
     displacement_m: float
-    """‖ΔX‖ in the metric, nothing neglected [m]."""
+    """Exact displacement of the virtual joints ‖ΔX‖, in the metric [m]."""
     motion_m: float
-    """‖ΔP‖ [m]."""
+    """Displacement of the links ‖ΔP‖ [m]."""
     at_start: Bounds
-    """With derivatives at the level start, where the bounds are zero."""
+    """Bounds with the Jacobian at the level pose, where they are zero."""
     at_midpoint: Bounds
     """Bounds with the Jacobian at the midpoint of the motion."""
     at_end: Bounds
-    """With derivatives at the tilted end."""
+    """Bounds with the Jacobian at the tilted pose."""
     limb_shares: Floats | None
-    """Share of each limb in the displacement, shape (3,); ``None`` where nothing moves."""
+    """Share of each limb in the displacement, shape (3,); ``None`` without a displacement."""
     side_shares: Floats | None
-    """Share of each side 12, 23, 31 in the displacement, shape (3,); ``None`` where nothing moves."""
+    """Share of each side 12, 23, 31 in the displacement, shape (3,); ``None`` without a displacement."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModelCurve(Result):
-    """One model over a range of tilts."""
+    """Results of one virtualization over a range of tilts."""
 
     name: str
     """Name of the virtualization."""
     center_shift_m: Floats
     """Offset of the platform's origin from the base axis, shape (n, 2) [m]."""
     largest_displacement_m: Floats
-    """The farthest that a socket is moved from its nominal place in the platform, shape (n,) [m]."""
+    """Largest displacement of a socket from its nominal position in the platform, shape (n,) [m]."""
     failure: str | None
-    """Why the numbers are NaN from some tilt angle on, if they are."""
+    """Reason for which the numbers are NaN from some tilt angle on; ``None`` if all are finite."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Table):
-    """All models over the same tilts."""
+    """Comparison of virtualizations over the same tilts."""
 
     azimuth_rad: float
     """Azimuth of all tilts [rad]."""
     height_m: float
     """Axis height of all tilts [m]."""
     tilt_rad: Floats
-    """The tilt angles, shape (n,) [rad]."""
+    """Tilt angles, shape (n,) [rad]."""
     approximate_gap_m: Floats
-    """The farthest that a socket of the approximate model is off its ball, shape (n,) [m]."""
+    """Largest distance of a socket from its ball in the approximate model, shape (n,) [m]."""
     models: Mapping[str, ModelCurve]
-    """The models by name."""
+    """Results of the virtualizations, by name."""
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Tilt angle, the approximate model's gap, and three columns of each model, such as ``planar_center_shift_x_m``."""
+        """Columns of the tilt angle, the gap of the approximate model, and three columns of each virtualization, such as ``planar_center_shift_x_m``."""
         columns: dict[str, NDArray[Any]] = {
             "tilt_rad": self.tilt_rad,
             "approximate_gap_m": self.approximate_gap_m,
@@ -190,24 +190,24 @@ class Comparison(Table):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SeriesSummary(Result):
-    """One series of a study summed up, in metres or radians."""
+    """Summary of one series of a study, in metres or radians."""
 
     name: str
-    """Symbol and limb or side, such as ``'q1'``, ``'L12'``, ``'phi3'``."""
+    """Name of the series: symbol and limb or side, such as ``'q1'``, ``'L12'``, ``'phi3'``."""
     min: float
-    """Least value."""
+    """Smallest value of the series."""
     max: float
-    """Greatest value."""
+    """Largest value of the series."""
     pass_min: float | None
-    """Least value at a level pose; ``None`` without such poses."""
+    """Smallest value at a level pose; ``None`` without level poses."""
     pass_max: float | None
-    """Greatest value at a level pose; ``None`` without such poses."""
+    """Largest value at a level pose; ``None`` without level poses."""
     minimum_at: int
-    """Level poses at which the series is least of its row."""
+    """Number of level poses with the smallest value of their row."""
     maximum_at: int
-    """Level poses at which it is greatest of its row."""
+    """Number of level poses with the largest value of their row."""
     constant_at: int
-    """Level poses in a row along which it is constant."""
+    """Number of level poses in rows along which the series is constant."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -225,33 +225,33 @@ class StudySummary(Result):
     largest_residual_m: float
     """Largest residual of the sides [m]."""
     iterations: tuple[int, ...]
-    """``iterations[n]``: how many poses took n iterations."""
+    """Histogram of iterations: ``iterations[n]`` is the number of poses with n iterations."""
     beyond_tilt: int
-    """Poses that tilt beyond the robot's limit."""
+    """Number of poses that exceed the tilt limit of the robot."""
     beyond_stroke: int
-    """Poses with a rod beyond the robot's limits."""
+    """Number of poses with a rod beyond the limits of the robot."""
     series: Mapping[str, SeriesSummary]
-    """Rods, sides and virtual joints by name."""
+    """Summaries of rods, sides and virtual joints, by name."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Table):
-    """All n poses of a raster under one virtualization, azimuth by azimuth."""
+    """Poses of a raster of n tilts with one virtualization, azimuth by azimuth."""
 
     virtualization: str
     """Name of the virtualization."""
     virtual_joint_names: tuple[str, ...]
-    """Symbol, limb and unit of each virtual joint, such as ``'phi_1_rad'``."""
+    """Names of the virtual joints with symbol, limb and unit, such as ``'phi_1_rad'``."""
     solver: str
-    """What found the virtual joints."""
+    """Name of the solver of the virtual joints."""
     characteristic_length_m: float
-    """Length by which angles were multiplied to weigh them against lengths [m]."""
+    """Characteristic length, by which angles are multiplied in the metric [m]."""
     samples_per_row: int
     """Number of tilt angles for each azimuth."""
     azimuth_rad: Floats
-    """Azimuth, shape (n,) [rad]."""
+    """Azimuth of each tilt, shape (n,) [rad]."""
     tilt_rad: Floats
-    """Tilt angle as commanded, either sign, shape (n,) [rad]."""
+    """Commanded tilt angle, of either sign, shape (n,) [rad]."""
     rods_m: Floats
     """Rod lengths, shape (n, 3) [m]."""
     sides_m: Floats
@@ -261,16 +261,16 @@ class Study(Table):
     origin_m: Floats
     """Platform origin in the base frame, shape (n, 3) [m]."""
     torsion_rad: Floats
-    """Turn about the platform normal, shape (n,) [rad]."""
+    """Torsion about the platform normal, shape (n,) [rad]."""
     iterations: NDArray[np.int64]
-    """Iterations of the solver, shape (n,)."""
+    """Number of iterations of the solver, shape (n,)."""
     residual_m: Floats
     """Largest difference between a side and its virtual length, shape (n,) [m]."""
     summary: StudySummary
-    """Extrema, values at level poses, and counts."""
+    """Summary with extrema, values at level poses, and counts."""
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Every number of every pose by name, each of shape (n,)."""
+        """Columns of all numbers of all poses, by name, each of shape (n,)."""
         columns: dict[str, NDArray[Any]] = {}
         for name in ("azimuth_rad", "tilt_rad", "rods_m", "sides_m", "virtual_joints", "origin_m",
                      "torsion_rad", "iterations", "residual_m"):  # fmt: skip
@@ -281,13 +281,13 @@ class Study(Table):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BoundsCheck(Result):
-    """In how many poses of a raster the true virtual displacement keeps the first-order bounds."""
+    """Number of poses of a raster whose exact virtual displacement satisfies the first-order bounds."""
 
     poses: int
-    """Poses checked: all that tilt."""
+    """Number of checked poses, which are all tilted ones."""
     held_at_start: int
-    """Held with derivatives at the level start, where the bounds are zero."""
+    """Number of poses that satisfy the bounds with the Jacobian at the level pose, where the bounds are zero."""
     held_at_midpoint: int
     """Number of poses that satisfy the bounds with the Jacobian at the midpoint."""
     held_at_end: int
-    """Held with derivatives at the tilted end."""
+    """Number of poses that satisfy the bounds with the Jacobian at the tilted pose."""

@@ -1,4 +1,4 @@
-"""What all results have in common."""
+"""Base classes of results, and their conversion into tables."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 ROWS_SHOWN = 20
-"""Rows of a table that notebooks show."""
+"""Number of rows of a table that a notebook shows."""
 
 
 def _equal(a: Any, b: Any) -> bool:
-    """Whether two fields are alike; NaN is like NaN, as rows without an answer are."""
+    """Whether two fields are equal, where NaN equals NaN, as for rows without a solution."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         kind = getattr(a, "dtype", None)
         floats = kind is not None and kind.kind == "f"
@@ -42,7 +42,7 @@ def _equal(a: Any, b: Any) -> bool:
 
 
 def _brief(value: Any) -> str:
-    """A value in a few characters: of a larger array only what it is."""
+    """Short text of a value; larger arrays show type and shape only."""
     if isinstance(value, np.ndarray) and value.size > 6:
         return f"<{value.dtype} {value.shape}>"
     if isinstance(value, np.ndarray):
@@ -53,7 +53,7 @@ def _brief(value: Any) -> str:
 
 
 def _cell(value: Any) -> str:
-    """A number of a table in six digits."""
+    """Text of a number in a table, with six digits."""
     return f"{value:.6g}" if isinstance(value, (float, np.floating)) else html.escape(str(value))
 
 
@@ -66,24 +66,24 @@ _LATEX_CHARACTERS = {
 
 
 def latex_text(text: str) -> str:
-    """A name as text within a formula."""
+    """Text of a name within a LaTeX formula."""
     return rf"\text{{{''.join(_LATEX_CHARACTERS.get(character, character) for character in text)}}}"
 
 
 def latex_number(value: float) -> str:
-    """A number in five digits."""
+    """LaTeX of a number with five digits."""
     mantissa, _, exponent = f"{value + 0.0:.5g}".partition("e")
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 def latex_array(alignment: str, rows: Sequence[Sequence[str]]) -> str:
-    """Rows of cells as a displayed formula."""
+    """LaTeX of rows of cells as a displayed formula."""
     body = " \\\\\n".join(" & ".join(row) for row in rows)
     return f"$$\\begin{{array}}{{{alignment}}}\n{body}\n\\end{{array}}$$"
 
 
 def identifiers(names: Sequence[str]) -> list[str]:
-    """Names as identifiers of Python, each once: ``ball 1[0]_rad`` becomes ``ball_1_0_rad``."""
+    """Unique Python identifiers for names: ``ball 1[0]_rad`` becomes ``ball_1_0_rad``."""
     found: list[str] = []
     for name in names:
         word = name
@@ -100,7 +100,7 @@ def identifiers(names: Sequence[str]) -> list[str]:
 
 
 class Result:
-    """What all results have in common: equality by value, a short ``repr``, pickling."""
+    """Base class of all results: equality by value, a short ``repr``, pickling."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
@@ -134,19 +134,19 @@ class Result:
 
 
 class Table(Result):
-    """A result that reads as a table: pandas, Polars and PyArrow take it as it is."""
+    """Base class of results that are tables, which pandas, Polars and PyArrow accept directly."""
 
     __slots__ = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Every number of every row by name, each of shape (n,); poses of several axes in C order."""
+        """Columns of all numbers of all rows, by name, each of shape (n,); arrays with several axes in C order."""
         raise NotImplementedError
 
     def to_dataframe(self) -> pandas.DataFrame:
         """The columns as a pandas ``DataFrame``.
 
-        Names are identifiers, for attributes and ``query``: the column ``ball 1[0]_rad`` is ``ball_1_0_rad``.
-        Needs pandas, which ``pip install jointplay[dataframe]`` installs too.
+        Names are converted to identifiers, for attributes and ``query``: the column ``ball 1[0]_rad`` becomes ``ball_1_0_rad``.
+        Needs pandas, which ``pip install jointplay[dataframe]`` includes.
         """
         try:
             import pandas
@@ -158,11 +158,11 @@ class Table(Result):
         return pandas.DataFrame(dict(zip(identifiers(list(columns)), columns.values(), strict=True)))
 
     def plot(self, *names: str, x: str | None = None, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
-        """Draws columns as lines, with matplotlib.
+        """Draws columns as lines with matplotlib, and returns the axes.
 
-        Without names all columns but that of ``x``; without ``x`` over the number of the row.
+        Without names, it draws all columns except ``x``; without ``x``, it draws them over the row number.
         Names are those of ``columns()`` or of ``to_dataframe()``.
-        Lines are drawn into ``ax``, or into a new figure; the axes are returned.
+        Lines are drawn into ``ax``, or into a new figure.
         """
         if ax is None:
             try:
@@ -204,13 +204,13 @@ class Table(Result):
         return f"<table><caption>{title}</caption>{table}</table>"
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
-        """The columns as an Arrow stream, by the Arrow PyCapsule interface; they are copied."""
+        """The columns as an Arrow stream, through the Arrow PyCapsule interface; they are copied."""
         columns = [(name, np.ascontiguousarray(values)) for name, values in self.columns().items()]
         return _jointplay.arrow_stream(columns)
 
 
 class Many(Table):
-    """Many poses, each with a status."""
+    """Base class of results of many poses, each with a status."""
 
     __slots__ = ()
 
@@ -219,7 +219,7 @@ class Many(Table):
     failure_counts: Mapping[str, int]
 
     def failures(self) -> str:
-        """How many poses have no answer and why, in one line."""
+        """Number of poses without a solution, with reasons, in one line."""
         poses = self.status.size
         if self.failed == 0:
             return f"all {poses} poses have an answer"
@@ -228,7 +228,7 @@ class Many(Table):
 
 
 def spread(name: str, values: NDArray[Any], axes: tuple[str, ...]) -> dict[str, NDArray[Any]]:
-    """An array as columns: each entry of its last axis by its name, or all of it where there are no names."""
+    """Columns of an array: one for each name of its last axis, or one for the whole array without names."""
     if not axes:
         return {name: values.reshape(-1)}
     return {axis: values[..., k].reshape(-1) for k, axis in enumerate(axes)}
@@ -242,12 +242,12 @@ AXES: dict[str, tuple[str, ...]] = {
     "sensitivity": ("sensitivity_1", "sensitivity_2", "sensitivity_3"),
     "rods_m": ("rod_1_m", "rod_2_m", "rod_3_m"),
 }
-"""Names of the columns of arrays with a last axis of their own."""
+"""Column names of arrays with a last axis, by name of the array."""
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[BinaryIO]:
-    """A file to write, which has its name once it is complete, and leaves nothing behind if it fails."""
+    """Opens a temporary file that replaces ``path`` when it is complete, and is removed on failure."""
     partial = path.with_name(f".jointplay-partial-{uuid.uuid4().hex}")
     try:
         with open(partial, "xb") as file:
@@ -261,6 +261,6 @@ def writing(path: Path) -> Iterator[BinaryIO]:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file whole or not at all."""
+    """Writes a file completely or not at all."""
     with writing(path) as file:
         file.write(content)

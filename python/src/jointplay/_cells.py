@@ -1,4 +1,4 @@
-"""Results of the plan of a program in a work cell."""
+"""Results of planning a program in a work cell."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ._base import Floats, Table
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Samples(Table):
-    """The trajectory of a program at a constant rate; rods in metres, motors in metres or radians."""
+    """Samples of the trajectory of a program at a constant rate; rods in metres, motors in metres or radians."""
 
     time_s: Floats
     """Time since the start of the trajectory, shape (n,) [s]."""
     step: NDArray[np.int64]
-    """Index of the step, shape (n,)."""
+    """Index of the step of each sample, shape (n,)."""
     line: NDArray[np.int64]
-    """Line of the program, shape (n,)."""
+    """Program line of each sample, shape (n,)."""
     positions: Floats
     """Position of each axis, shape (n, axes) [m or rad]."""
     velocities: Floats
@@ -30,10 +30,10 @@ class Samples(Table):
     axes: tuple[str, ...]
     """Names of the axes."""
     axis_units: tuple[str, ...]
-    """Unit of each axis."""
+    """Unit of the position of each axis, ``'m'`` or ``'rad'``."""
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Time, step, line, and of each axis ``T_rad``, ``T_rad_s``, ``T_rad_s2``."""
+        """Columns of time, step and line, and for each axis of position, velocity and acceleration, such as ``T_rad``, ``T_rad_s``, ``T_rad_s2``."""
         found: dict[str, NDArray[Any]] = {
             "time_s": self.time_s,
             "step": self.step,

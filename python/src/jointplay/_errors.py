@@ -1,4 +1,4 @@
-"""Errors with their facts as attributes; all are re-exported by ``jointplay``."""
+"""Errors with their details as attributes; ``jointplay`` exports all of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 class JointplayError(Exception):
     """Base class of all errors of this package.
 
-    The facts of an error are its attributes, in SI units.
+    The details of an error are its attributes, in SI units.
     """
 
     def __init__(self, message: str, /, **facts: Any) -> None:
@@ -36,9 +36,9 @@ class ArrayError(InputError):
     """An array has an invalid shape or layout, is read-only, or overlaps another."""
 
     shape: tuple[int, ...] | None
-    """Shape that was found."""
+    """Shape of the array."""
     dtype: Any
-    """Type of numbers that was found."""
+    """Data type of the array."""
 
 
 class ArgumentTypeError(JointplayError, TypeError):
@@ -46,12 +46,12 @@ class ArgumentTypeError(JointplayError, TypeError):
 
 
 class ArrayTypeError(ArgumentTypeError):
-    """An array does not hold real numbers, or not those that can be written in place."""
+    """An array does not contain real numbers, or its data type cannot be written in place."""
 
     shape: tuple[int, ...] | None
-    """Shape that was found."""
+    """Shape of the array."""
     dtype: Any
-    """Type of numbers that was found."""
+    """Data type of the array."""
 
 
 class UnknownNameError(InputError):
@@ -60,9 +60,9 @@ class UnknownNameError(InputError):
     what: str
     """Kind of the named object."""
     name: str
-    """The name that was given."""
+    """The unknown name."""
     known: list[str]
-    """The known names."""
+    """Known names of this kind."""
 
 
 class FileError(InputError):
@@ -77,7 +77,7 @@ class FileError(InputError):
 
 
 class PartsError(InputError):
-    """A folder has the parts of another study, or its files have changed."""
+    """A folder contains the parts of another study, or its files have changed."""
 
 
 class NotFiniteError(InputError):
@@ -86,7 +86,7 @@ class NotFiniteError(InputError):
     what: str
     """Name of the number."""
     value: float
-    """The value."""
+    """Value of the number."""
 
 
 class OutOfRangeError(InputError):
@@ -95,35 +95,35 @@ class OutOfRangeError(InputError):
     what: str
     """Name of the number."""
     value: float
-    """The value, in ``unit``."""
+    """Value of the number, in ``unit``."""
     min: float
     """Smallest allowed value, in ``unit``."""
     max: float
     """Largest allowed value, in ``unit``."""
     unit: str
-    """``'m'``, ``'rad'``, or ``'1'`` for a plain number."""
+    """Unit of the number: ``'m'``, ``'rad'``, or ``'1'`` for a plain number."""
 
 
 class TiltTooLargeError(InputError):
-    """A tilt at which the rods no longer meet the platform plane."""
+    """At this tilt the rods do not intersect the platform plane."""
 
     tilt_rad: float
     """Commanded tilt angle [rad]."""
 
 
 class GeometryError(InputError):
-    """Dimensions that do not define a robot."""
+    """The dimensions do not define a robot."""
 
 
 class TooLargeError(InputError):
     """A mechanism is too large for the requested analysis."""
 
     what: str
-    """The quantity that is too large."""
+    """Name of the quantity that is too large."""
     found: int
-    """The number found."""
+    """Value of the quantity."""
     allowed: int
-    """The largest allowed number."""
+    """Largest allowed value of the quantity."""
 
 
 class NoAnswerError(JointplayError):
@@ -134,36 +134,36 @@ class MissingPartsError(NoAnswerError):
     """Parts of a study are missing."""
 
     missing: int
-    """How many are missing."""
+    """Number of missing parts."""
     parts: int
-    """How many there are."""
+    """Number of all parts."""
     first: int
     """Number of the first missing part."""
 
 
 class BeyondLimitsError(NoAnswerError):
-    """A pose of a robot or a configuration of a mechanism is beyond its limits."""
+    """A pose of a robot or a configuration of a mechanism exceeds its limits."""
 
     limits_broken: tuple[BrokenLimit, ...] | list[str]
-    """The limits that are exceeded."""
+    """Limits that are exceeded."""
 
 
 class RobotLimitsError(BeyondLimitsError):
-    """A pose is beyond the robot's limits of rod lengths and tilt."""
+    """A pose exceeds the limits of the robot for rod lengths and tilt."""
 
     limits_broken: tuple[BrokenLimit, ...]
-    """The limits that are exceeded, rods first."""
+    """Limits that are exceeded, rods first."""
 
 
 class NotConvergedError(NoAnswerError):
     """The iteration for the virtual joints did not converge."""
 
     solver: str
-    """The solver."""
+    """Name of the solver."""
     best_virtual_joints: list[float]
-    """Virtual joints with the least residual found [m, rad]."""
+    """Virtual joints with the smallest residual found [m, rad]."""
     residual_m: float
-    """Largest difference between a side and its virtual length there [m]."""
+    """Largest difference between a side and its virtual length at ``best_virtual_joints`` [m]."""
     threshold_m: float
     """Requested residual [m]."""
     iterations: int
@@ -180,19 +180,19 @@ class DependentSidesError(NoAnswerError):
 
 
 class TurnedOverError(NoAnswerError):
-    """The virtual joints found mirror the platform."""
+    """The solution for the virtual joints mirrors the platform."""
 
     virtual_joints: list[float]
-    """The virtual joints found [m, rad]."""
+    """Virtual joints of the mirrored solution [m, rad]."""
 
 
 class NotClosedError(NoAnswerError):
-    """A configuration breaks the constraints that it should satisfy."""
+    """A configuration does not satisfy the constraints of the mechanism."""
 
     residual: float
-    """Largest mismatch, in radians and characteristic lengths."""
+    """Largest constraint residual, in radians and characteristic lengths."""
     allowed: float
-    """Largest mismatch of closed loops."""
+    """Largest residual of closed loops, in radians and characteristic lengths."""
 
 
 class NotAssembledError(NoAnswerError):
@@ -206,53 +206,53 @@ class NotReachedError(NoAnswerError):
     """The loops did not close from the initial guess."""
 
     residual: float
-    """Largest residual mismatch, in radians and characteristic lengths."""
+    """Largest remaining residual, in radians and characteristic lengths."""
     allowed: float
-    """Largest mismatch of closed loops."""
+    """Largest residual of closed loops, in radians and characteristic lengths."""
     iterations: int
-    """Number of steps."""
+    """Number of iterations."""
 
 
 class NotRelievedError(NoAnswerError):
     """The virtual joints do not make the commanded motion possible."""
 
     residual: float
-    """Largest residual mismatch, in radians and characteristic lengths."""
+    """Largest remaining residual, in radians and characteristic lengths."""
     allowed: float
-    """Largest mismatch of closed loops."""
+    """Largest residual of closed loops, in radians and characteristic lengths."""
     couplings: list[str]
-    """Couplings that the commanded values contradict, the most violated first; play at joints does not relieve them."""
+    """Names of the couplings that the commanded values contradict, the most violated first; play of joints does not relieve them."""
 
 
 class UndeterminedError(NoAnswerError):
     """The commanded coordinates do not determine the motion."""
 
     motions: int
-    """Number of independent motions with the commanded coordinates held."""
+    """Number of independent motions with the commanded coordinates fixed."""
     singular_values: list[float]
-    """Of the equations of the loops, one for each other coordinate, in radians and characteristic lengths, the largest first."""
+    """Singular values of the loop closure, one for each coordinate that is not commanded, in radians and characteristic lengths, in descending order."""
 
 
 class DependentCommandsError(NoAnswerError):
-    """The loops do not allow these rates of the commanded coordinates together."""
+    """The loops do not allow the combination of rates of the commanded coordinates."""
 
     share: float
-    """Share of the commanded rates that opens the loops."""
+    """Fraction of the commanded rates that opens the loops."""
     allowed: float
-    """Largest share that counts as round-off."""
+    """Largest fraction that counts as round-off."""
 
 
 class JointLimitsError(BeyondLimitsError):
-    """A joint is beyond its limits, or a virtual joint beyond its clearance."""
+    """A joint exceeds its limits, or a virtual joint its clearance."""
 
     limits_broken: list[str]
-    """Names of the coordinates beyond their limits."""
+    """Names of the coordinates that exceed their limits."""
     result: Any
-    """The result computed at the configuration."""
+    """Result of the computation in spite of the limits."""
 
 
 class PlanningError(NoAnswerError):
-    """A program has no trajectory: targets out of reach, limits, or lines that the arm cannot follow."""
+    """A program has no trajectory: a target is out of reach, a limit is exceeded, or the arm cannot follow a line."""
 
     file: str
     """Name of the program."""
@@ -264,4 +264,4 @@ class StoppedError(NoAnswerError):
     """A mechanism stopped before the start of its path."""
 
     motion: Any
-    """The ``Motion`` up to the stop."""
+    """Motion up to the stop, a ``Motion``."""

@@ -177,7 +177,7 @@ class Gpr:
         out: dict[str, _Floats] | None = None,
         threads: int | None = None,
     ) -> Any: ...
-    # Numbers are arrays of none to NumPy, and one tilt here.
+    # NumPy accepts numbers as arrays without axes; here two numbers are one tilt.
     @overload
     def inverse(  # type: ignore[overload-overlap]
         self,

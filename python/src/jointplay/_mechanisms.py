@@ -1,4 +1,4 @@
-"""Results of what any mechanism is asked."""
+"""Results of the analyses and motions of mechanisms."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Configuration(Result, Mapping[str, float]):
-    """A closed configuration: a mapping from names of coordinates to their values [m, rad]."""
+    """Closed configuration of a mechanism: a mapping from names of coordinates to values [m, rad]."""
 
     mechanism: Mechanism
     """The mechanism."""
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
     units: tuple[str, ...]
-    """Unit of each, ``'m'`` or ``'rad'``."""
+    """Unit of each coordinate, ``'m'`` or ``'rad'``."""
     coordinates: Floats
-    """Their values, shape (f + M,) [m, rad]."""
+    """Values of the coordinates, shape (f + M,) [m, rad]."""
     residual: float
-    """Largest mismatch of a loop, in radians and characteristic lengths."""
+    """Largest closure residual of a loop, in radians and characteristic lengths."""
     iterations: int
-    """Corrections done."""
+    """Number of iterations of the solver."""
 
     __hash__ = None  # type: ignore[assignment]
     __eq__ = Result.__eq__
@@ -56,101 +56,101 @@ class Configuration(Result, Mapping[str, float]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Coupling(Result):
-    """A linear relation between joint coordinates: coordinate = offset + Σ ratio · term, such as that of gears, belts and screws."""
+    """Linear relation between joint coordinates, such as that of gears, belts and screws: coordinate = offset + Σ ratio · term."""
 
     name: str
     """Name of the coupling."""
     coordinate: str
-    """The coordinate that follows the others."""
+    """Name of the dependent coordinate."""
     terms: tuple[tuple[str, float], ...]
-    """The other coordinates, each with its ratio [m/m, m/rad, rad/m or rad/rad]."""
+    """Names of the independent coordinates, each with its ratio [m/m, m/rad, rad/m or rad/rad]."""
     offset: float
-    """Value of the coordinate with the others at zero [m, rad]."""
+    """Value of the dependent coordinate if the independent ones are zero [m, rad]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointLoad(Result):
-    """Load of a joint in a self-stress, on the second link of the joint."""
+    """Load that a joint exerts on its second link in a self-stress."""
 
     joint: str
     """Name of the joint."""
     place_m: Floats
-    """Place of the joint in the base frame (m)."""
+    """Position of the joint in the base frame, shape (3,) [m]."""
     force_n: Floats
-    """Force in the base frame; the largest of the self-stress has 1 N."""
+    """Force in the base frame, shape (3,) [N]; the largest force of the self-stress is 1 N, unless all are zero."""
     moment_nm: Floats
-    """Moment about the place in the base frame (N m)."""
+    """Moment about the position of the joint in the base frame, shape (3,) [N m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RedundantConstraint(Result):
-    """A redundant constraint as a self-stress: loads of joints in equilibrium without an external load."""
+    """Redundant constraint as a self-stress: joint loads in equilibrium without an external load."""
 
     what: str
-    """In words, such as ``'moment about x, in A, B, C, D'``."""
+    """Description of the constraint, such as ``'moment about x, in A, B, C, D'``."""
     joints: tuple[str, ...]
-    """The joints that transmit it."""
+    """Names of the joints that transmit the self-stress."""
     couplings: tuple[str, ...]
-    """The couplings that transmit it; removing any one of them removes it, too."""
+    """Names of the couplings that transmit the self-stress; removing any one of them removes the self-stress."""
     group: int
-    """Number of its group, from 1; symmetries of the mechanism map the members of a group onto each other."""
+    """Number of the group of the constraint, from 1; symmetries of the mechanism map the members of a group onto each other."""
     independent: bool
-    """Whether it is a member of the basis; the others depend on the basis."""
+    """Whether the constraint is a member of the basis; the others depend on the basis."""
     remove_any_one_of: tuple[JointLoad, ...]
-    """Releasing any one of these joints along its force or about its moment removes the self-stress."""
+    """Loads of the joints; releasing any one of these joints along its force or about its moment removes the self-stress."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LinkMotion(Result):
-    """Instantaneous motion of a link."""
+    """Instantaneous motions of a link."""
 
     dimension: int
-    """Number of independent motions."""
+    """Number of independent motions of the link."""
     translations: int
-    """How many of them are translations."""
+    """Number of independent translations of the link."""
     twists: Floats
-    """Its independent twists as columns, angular, then linear, shape (6, dimension)."""
+    """Independent twists of the link as columns, angular, then linear, shape (6, dimension)."""
     pitch_m_per_rad: float | None
-    """Pitch of a single motion that is not a translation [m/rad]."""
+    """Pitch of the screw motion [m/rad]; ``None`` for a translation or several motions."""
     axis_point_m: Floats | None
-    """And a point of its axis in the base frame, shape (3,) [m]."""
+    """Point of the screw axis in the base frame, shape (3,) [m]; ``None`` for a translation or several motions."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NearMobility(Result):
-    """What moves if dimensions are true only to a tolerance, in radians and characteristic lengths."""
+    """Mobility within a closure tolerance, in radians and characteristic lengths."""
 
     tolerance: float
-    """Tolerance that was given."""
+    """Closure tolerance of the analysis."""
     mobility: int
-    """Freedoms within it."""
+    """Number of motions whose closure residual is within the tolerance."""
     needed: float
-    """The tolerance that they need."""
+    """Tolerance that these motions together require."""
     next: float | None
-    """About the tolerance for one more; ``None`` where none is near."""
+    """Approximate tolerance that one further motion requires; ``None`` if no candidate is close to possible."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MechanismMobility(Freedoms):
-    """What of a mechanism can move.
+    """Mobility of a mechanism, with redundant constraints and the motions of its links.
 
-    Coordinates are those of its joints, in the order of the file.
+    Coordinates are the joint coordinates, in the order of the file.
     """
 
     name: str
     """Name of the mechanism."""
     configuration: Configuration
-    """Where it was looked at."""
+    """Configuration of the analysis."""
     singular_values: Floats | None
-    """Of the scaled constraint Jacobian, the largest first; ``None`` where sparse algebra had to do."""
+    """Singular values of the scaled constraint Jacobian, in descending order; ``None`` with sparse algebra."""
     null_space: Floats | None
-    """Basis of the instantaneous motions, shape (n, h), one per column, in radians and characteristic lengths; ``None`` beyond a million numbers."""
+    """Basis of the instantaneous motions as columns, shape (n, h), in radians and characteristic lengths; ``None`` if it has more than a million entries."""
     self_stress: Floats | None
-    """Orthonormal self-stresses, shape (c, r), for each loop three moments and three forces; ``None`` as above."""
+    """Orthonormal self-stresses as columns, shape (c, r), with three moments and three forces for each loop; ``None`` with sparse algebra."""
     classification: str
-    """What class of mechanism this makes it, in words."""
+    """Class of the mechanism by its mobilities, in words."""
     branch_dimensions: tuple[int, ...] | None
-    """Dimensions of the branches that meet, if not every instantaneous motion is finite."""
+    """Dimensions of the branches that meet in the configuration; ``None`` if every instantaneous motion is finite."""
     redundant_constraints: tuple[RedundantConstraint, ...]
     """Redundant constraints: a sparsest basis of the self-stresses, and the symmetric images of its members."""
     redundant_constraints_sparsest: bool | None
@@ -160,44 +160,44 @@ class MechanismMobility(Freedoms):
     couplings_in_all_self_stresses: tuple[str, ...]
     """Couplings that take part in all self-stresses."""
     couplings: int
-    """Number of couplings, a constraint each."""
+    """Number of couplings, each of which is one constraint."""
     link_motions: Mapping[str, LinkMotion]
-    """Instantaneous motion of each link but the base."""
+    """Instantaneous motion of each link except the base, by name."""
     near: NearMobility | None
-    """What moves within a tolerance, if one was given."""
+    """Mobility within a closure tolerance; ``None`` if none was given."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SimulatorModel(Result):
-    """A mechanism as a model of a simulator."""
+    """Mechanism in the format of a simulator."""
 
     text: str
-    """The model."""
+    """Text of the model."""
     loops: str | None
-    """The file of joints that close loops, for URDF, which describes trees only."""
+    """Text of the file of joints that close loops, for URDF, which describes trees only; ``None`` for other formats."""
     lost: tuple[str, ...]
-    """What the format does not keep."""
+    """Properties of the mechanism that the format cannot represent."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SingularConfiguration(Result):
-    """A singular configuration along the path."""
+    """Singular configuration on the path of a motion."""
 
     share: float
     """Path parameter, 0 to 1."""
     coordinates: Floats
-    """All coordinates there, shape (f + M,) [m, rad]."""
+    """All coordinates in the singular configuration, shape (f + M,) [m, rad]."""
     instantaneous_mobility: int
     """Instantaneous mobility with the drives free."""
     least_singular_value: float
-    """The least singular value found there, as a share of the largest."""
+    """Smallest singular value in the singular configuration, as a fraction of the largest."""
     branches: int | None
-    """Number of branches of the motion that meet; ``None`` if second order does not decide."""
+    """Number of branches of the motion that meet; ``None`` if the second-order analysis does not determine it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(Table):
-    """A motion of a mechanism: n configurations, the start first."""
+    """Motion of a mechanism as n configurations, beginning with the start."""
 
     mechanism: Mechanism
     """The mechanism."""
@@ -206,34 +206,34 @@ class Motion(Table):
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
     units: tuple[str, ...]
-    """Unit of each, ``'m'`` or ``'rad'``."""
+    """Unit of each coordinate, ``'m'`` or ``'rad'``."""
     driven: tuple[str, ...]
-    """Coordinates that were driven."""
+    """Names of the driven coordinates."""
     held: tuple[str, ...]
-    """Coordinates of other motors, which held still."""
+    """Names of the actuated coordinates that were not driven and kept their values."""
     coordinates: Floats
     """All coordinates along the path, shape (n, f + M) [m, rad]."""
     share: Floats
     """Path parameter, 0 to 1, shape (n,)."""
     residual: Floats
-    """Largest mismatch of a loop, in radians and characteristic lengths, shape (n,)."""
+    """Largest closure residual of a loop, in radians and characteristic lengths, shape (n,)."""
     least_singular_value: Floats
-    """As a share of the largest, shape (n,): zero at a singular configuration."""
+    """Smallest singular value as a fraction of the largest, shape (n,); zero at a singular configuration."""
     free_mobility: NDArray[np.int64]
     """Instantaneous mobility with the drives held, shape (n,)."""
     singular: tuple[SingularConfiguration, ...]
     """Singular configurations along the path."""
     limits_broken: tuple[str, ...]
-    """Coordinates beyond their limits or clearance."""
+    """Names of the coordinates that exceed their limits or clearances."""
     within_limits: NDArray[np.bool_]
-    """Whether all joint limits and clearances hold, shape (n,)."""
+    """Whether all coordinates are within their joint limits and clearances, shape (n,)."""
     stopped: Literal["locked", "singular_start", "incompatible", "beyond_limits"] | None
-    """Why it stopped before the end; ``None`` if it did not."""
+    """Reason for which the motion stopped before the end of the path; ``None`` if it is complete."""
     message: str | None
-    """The same in words, and where, in the units of the file."""
+    """Description of the stop and its position, in the units of the file; ``None`` if the motion is complete."""
 
     def __getitem__(self, name: str) -> Floats:
-        """One coordinate along the path, shape (n,) [m or rad]."""
+        """Values of one coordinate along the path, shape (n,) [m or rad]."""
         if name not in self.names:
             raise KeyError(name)
         return self.coordinates[:, self.names.index(name)]
@@ -256,25 +256,25 @@ class Motion(Table):
         duration_s: float = 4.0,
         tolerance_um: float = 1.0,
     ) -> tuple[str, ...]:
-        """Writes the motion as an animated 3D scene, one binary glTF file; returns the links without a part.
+        """Writes the motion as an animated 3D scene into a binary glTF file, and returns the links without a part.
 
         Parameters
         ----------
         path : str or path-like
-            The file to write, such as ``motion.glb``; one that exists is replaced.
+            The file to write, such as ``motion.glb``; an existing file is replaced.
         parts : str or path-like
-            A binary glTF file whose nodes move with the links of the same names; by default links are drawn as bars.
+            Binary glTF file whose nodes move with the links of the same names; by default links are drawn as bars.
         table : mapping of str to str, or path-like
-            Names of nodes, and the links that they move with; or the path of a table of parts.
+            Link of each node, by name of the node, or the path of a table of parts.
         parts_up : str
-            The axis of the file of parts that is z of the base frame; by default that of the table of parts, else
+            Axis of the file of parts that is z of the base frame; by default the axis in the table of parts, otherwise
             ``'z'`` for files of Open CASCADE, such as those of cascadio, and ``'y'`` for others.
         exaggerate : float
-            Factor of the displacements of virtual joints.
+            Factor by which displacements of virtual joints are multiplied.
         duration_s : float
-            Duration of the motion.
+            Duration of the motion [s].
         tolerance_um : float
-            Largest deviation from the configurations, between which the motion is interpolated.
+            Largest deviation of the interpolated motion from the configurations [µm].
         """
         pairs: list[tuple[str, str]] = []
         file: tuple[str, str] | None = None
@@ -296,43 +296,43 @@ class Motion(Table):
         return tuple(missing)
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Every coordinate along the path by name and unit, such as ``crank_rad``."""
+        """Columns of all coordinates along the path, by name and unit, such as ``crank_rad``."""
         return _by_name_and_unit(self.names, self.units, self.coordinates)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Positions(Many):
-    """All joints for n commands; a row that cannot be closed, or is beyond limits or clearances, is NaN."""
+    """Configurations of a mechanism for n commands; rows without a solution within limits and clearances are NaN."""
 
     mechanism: Mechanism
     """The mechanism."""
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
     units: tuple[str, ...]
-    """Unit of each, ``'m'`` or ``'rad'``."""
+    """Unit of each coordinate, ``'m'`` or ``'rad'``."""
     coordinates: Floats
-    """Their values, shape (n, f + M) [m, rad]."""
+    """Values of the coordinates, shape (n, f + M) [m, rad]."""
     residual: Floats
-    """Largest mismatch of a loop, in radians and characteristic lengths, shape (n,)."""
+    """Largest closure residual of a loop, in radians and characteristic lengths, shape (n,)."""
     status: NDArray[np.uint8]
-    """What became of each row, shape (n,): 0 where it has an answer, else a ``Status``."""
+    """Status of each row, shape (n,): 0 for a solution, otherwise the reason as a ``Status``."""
     failed: int
-    """How many rows have no answer."""
+    """Number of rows without a solution."""
     failure_counts: Mapping[str, int]
-    """How many have none for which reason."""
+    """Number of failed rows by reason."""
 
     def __getitem__(self, name: str) -> Floats:
-        """One coordinate for all commands, shape (n,) [m or rad]."""
+        """Values of one coordinate for all commands, shape (n,) [m or rad]."""
         if name not in self.names:
             raise KeyError(name)
         return self.coordinates[:, self.names.index(name)]
 
     def link_poses(self, name: str) -> Floats:
-        """Poses of a link or an attached frame in the base frame, ``base_from_frame``, shape (n, 4, 4) [m]; NaN where a row is."""
+        """Poses of a link or an attached frame in the base frame, ``base_from_frame``, shape (n, 4, 4) [m]; NaN for rows without a solution."""
         return self.mechanism.link_poses(self.coordinates, name)
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Every coordinate by name and unit, such as ``crank_rad``."""
+        """Columns of all coordinates, by name and unit, such as ``crank_rad``."""
         return _by_name_and_unit(self.names, self.units, self.coordinates)
 
 
@@ -349,35 +349,35 @@ def _by_name_and_unit(
 class Jacobian(Result):
     """Geometric Jacobian of a link or an attached frame, with loops closed.
 
-    Of balls, derivatives are angular velocities in the turned frame.
+    For ball joints, derivatives are angular velocities in the rotated frame of the joint.
     """
 
     name: str
-    """The link or frame."""
+    """Name of the link or frame."""
     configuration: Configuration
-    """Where it was computed."""
+    """Configuration at which the Jacobian is evaluated."""
     commanded: tuple[str, ...]
-    """Names of the commanded coordinates: the columns."""
+    """Names of the commanded coordinates, one for each column."""
     commanded_units: tuple[str, ...]
-    """Unit of each, ``'m'`` or ``'rad'``."""
+    """Unit of each commanded coordinate, ``'m'`` or ``'rad'``."""
     pose: Floats
     """Pose of the frame in the base frame, shape (4, 4) [m]."""
     matrix: Floats
-    """Angular velocity, then velocity of the origin, in the base frame, shape (6, n) [rad, m]."""
+    """Angular velocity, then velocity of the origin, in the base frame, per unit velocity of each commanded coordinate, shape (6, n) [rad, m]."""
     derivative: Floats | None
-    """Its rate of change, if velocities were given, shape (6, n) [rad/s, m/s]."""
+    """Rate of change of the Jacobian, shape (6, n) [rad/s, m/s]; ``None`` if no velocities were given."""
     coordinate_derivatives: Floats
-    """Derivatives of all coordinates, joints, then virtual joints, shape (f + M, n)."""
+    """Derivatives of all coordinates with respect to the commanded ones, joints, then virtual joints, shape (f + M, n)."""
     singular_values: Floats
-    """Of the matrix in radians and characteristic lengths, the largest first, shape (min(6, n),)."""
+    """Singular values of the Jacobian in radians and characteristic lengths, in descending order, shape (min(6, n),)."""
     condition_number: float | None
-    """Largest over smallest singular value; ``None`` where the smallest is zero."""
+    """Ratio of the largest to the smallest singular value of the Jacobian; ``None`` if the smallest is zero."""
     manipulability: float
-    """Product of the singular values."""
+    """Product of the singular values of the Jacobian."""
     loop_singular_values: Floats
-    """Of the loops with the commanded coordinates held, one for each other coordinate, in radians and characteristic lengths, the largest first; zeros are freedoms that the least displacement determines."""
+    """Singular values of the loop closure with the commanded coordinates fixed, one for each other coordinate, in radians and characteristic lengths, in descending order; zeros are freedoms that the minimum-norm displacement determines."""
     characteristic_length_m: float
-    """The characteristic length [m]."""
+    """Characteristic length, by which angles are multiplied [m]."""
 
     def _repr_latex_(self) -> str:
         head = ("", *(latex_text(name) for name in self.commanded))
@@ -388,13 +388,13 @@ class Jacobian(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rates(Result):
-    """Velocities and accelerations of all coordinates, links and attached frames.
+    """Velocities and accelerations of all coordinates, links and attached frames of a mechanism.
 
-    Of balls, angular velocity in the turned frame, and the derivative of its components.
+    For ball joints, velocities are the components of the angular velocity in the rotated frame of the joint, and accelerations their derivatives.
     """
 
     configuration: Configuration
-    """Where they were computed."""
+    """Configuration at which the velocities are evaluated."""
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
     units: tuple[str, ...]
@@ -404,68 +404,69 @@ class Rates(Result):
     accelerations: Floats
     """Accelerations of all coordinates, shape (f + M,) [m/s², rad/s²]."""
     frame_velocities: Mapping[str, Floats]
-    """Angular velocity, then velocity of the origin, in the base frame, by link or frame, each of shape (6,)."""
+    """Angular velocity, then velocity of the origin, in the base frame, by name of the link or frame, each of shape (6,) [rad/s, m/s]."""
     frame_accelerations: Mapping[str, Floats]
-    """Angular acceleration, then acceleration of the origin, in the base frame, each of shape (6,)."""
+    """Angular acceleration, then acceleration of the origin, in the base frame, by name of the link or frame, each of shape (6,) [rad/s², m/s²]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ParameterDerivatives(Result):
-    """Derivatives by n parameters of the file, per unit of the parameter there, with commanded coordinates held and loops closed.
+    """Derivatives with respect to n parameters of a mechanism file, with commanded coordinates fixed and loops closed.
 
-    Of balls, derivatives are rotations in the turned frame.
+    Derivatives are per unit of the parameter in the file.
+    For ball joints, they are rotations in the rotated frame of the joint.
     """
 
     configuration: Configuration
-    """Where they were computed."""
+    """Configuration at which the derivatives are evaluated."""
     parameters: tuple[str, ...]
-    """Names of the parameters: the columns."""
+    """Names of the parameters, one for each column."""
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
     units: tuple[str, ...]
     """Unit of each coordinate, ``'m'`` or ``'rad'``."""
     coordinates: Floats
-    """Derivatives of all coordinates, shape (f + M, n) [m, rad]."""
+    """Derivatives of all coordinates with respect to the parameters, shape (f + M, n) [m, rad]."""
     frames: Mapping[str, Floats]
-    """Rotation, then displacement of the origin, in the base frame, by link or frame, each of shape (6, n) [rad, m]."""
+    """Rotation, then displacement of the origin, in the base frame, by name of the link or frame, each of shape (6, n) [rad, m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SuggestedJoint(Result):
-    """One virtual joint of a suggestion."""
+    """Virtual joint of a suggestion."""
 
     name: str
-    """What it is, in words."""
+    """Description of the virtual joint."""
     joint: str
-    """The joint that would have it."""
+    """Name of the joint at which the virtual joint is suggested."""
     on: str
-    """The link that carries it."""
+    """Name of the link that carries the virtual joint."""
     motion: Literal["slide", "turn"]
-    """Whether it slides or turns."""
+    """Motion of the virtual joint: ``'slide'`` is a translation, ``'turn'`` a rotation."""
     direction: Floats
-    """Along or about what, in the frame of the link that carries it, shape (3,)."""
+    """Direction of the translation or axis of the rotation, in the frame of the link that carries the virtual joint, shape (3,)."""
     about: Floats | None
-    """For a turn, a point of its axis in the same frame, shape (3,) [m]."""
+    """Point of the axis of the rotation, in the frame of the link that carries the virtual joint, shape (3,) [m]; ``None`` for a translation."""
     clearance: float | None
-    """Clearance of the joint in this direction, in ``unit``; ``None`` if the file has none."""
+    """Clearance of the joint in the direction of the virtual joint, in ``unit``; ``None`` if the file has none."""
     stiffness: float | None
-    """Stiffness [N/m, N m/rad]; ``None`` unless ranked by stiffness."""
+    """Stiffness of the virtual joint [N/m, N m/rad]; ``None`` unless ranked by stiffness."""
     largest: float
-    """Largest displacement over the commands, in ``unit``."""
+    """Largest displacement of the virtual joint over the commands, in ``unit``."""
     unit: str
-    """``'m'`` or ``'rad'``."""
+    """Unit of the displacement, ``'m'`` or ``'rad'``."""
     alternatives: tuple[SuggestedJoint, ...]
     """Other virtual joints of the same leg that relieve the same instantaneous motion."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Suggestion(Result):
-    """A set of virtual joints that makes the commands possible."""
+    """Set of virtual joints with which the commands are possible."""
 
     size_m: float
-    """Largest displacement over the commands, turns weighed by the characteristic length [m]."""
+    """Largest norm of the displacements over the commands, rotations multiplied by the characteristic length [m]."""
     energy_j: float | None
-    """Largest elastic energy over the commands, which the displacement makes least [J]; ``None`` unless ranked by stiffness."""
+    """Largest elastic energy over the commands, with the displacements that minimize it [J]; ``None`` unless ranked by stiffness."""
     symmetric: bool
     """Whether every symmetry of the mechanism maps the set onto itself; ``False`` where it has none."""
     symmetric_for_commands: bool
@@ -475,58 +476,58 @@ class Suggestion(Result):
     coordinates: Floats
     """Joint coordinates for each command, shape (commands, f) [m, rad]."""
     limits_broken: tuple[str, ...]
-    """Joint coordinates that are beyond their limits for one of the commands."""
+    """Names of the joint coordinates that exceed their limits for one of the commands."""
     virtual_joints: tuple[SuggestedJoint, ...]
-    """Its virtual joints."""
+    """Virtual joints of the set."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Suggestions(Result):
-    """Where a mechanism would have to have play."""
+    """Sets of virtual joints with which commanded motions of a mechanism are possible."""
 
     needed: bool
-    """Whether any play is needed at all."""
+    """Whether the commands require play."""
     without_play: Floats
-    """Joint coordinates for each command, shape (commands, f) [m, rad]; empty where play is needed."""
+    """Joint coordinates without play for each command, shape (commands, f) [m, rad]; empty if the commands require play."""
     limits_broken: tuple[str, ...]
-    """Joint coordinates that are beyond their limits there."""
+    """Names of the joint coordinates that exceed their limits in ``without_play``."""
     sets: tuple[Suggestion, ...]
-    """Sets of virtual joints, those within joint limits and clearances first, then by displacement; none holds another that is enough."""
+    """Sets of virtual joints, those within joint limits and clearances first, then by rank; no set contains a smaller sufficient set."""
     candidates: int
-    """Places and directions that were considered."""
+    """Number of candidate positions and directions of virtual joints."""
     in_class: float
-    """Number of sets in the class that was searched, compared or not."""
+    """Number of sets in the searched class, including those that were not compared."""
     lower_bound_m: float
-    """Displacement below which no set of the candidates lies (m)."""
+    """Lower bound of the displacement of any set of candidates [m]."""
     least_energy_j: float | None
-    """Elastic energy below which no set of the candidates lies [J]; ``None`` unless ranked by stiffness."""
+    """Lower bound of the elastic energy of any set of candidates [J]; ``None`` unless ranked by stiffness."""
     compared: int
-    """Sets that were compared."""
+    """Number of sets that were compared."""
     cut_short: bool
     """Whether the search stopped at its limit."""
     untried: int
-    """Sets taken for possible, but not tried: with these, or where cut short, a smaller displacement may exist."""
+    """Number of sets that were estimated as possible but not tried; with these, or after ``cut_short``, a smaller displacement may exist."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Relief(Result):
-    """Displacement of the virtual joints for a command."""
+    """Displacement of the virtual joints of a mechanism for a command."""
 
     configuration: Configuration
     """The closed configuration."""
     virtual_joint_names: tuple[str, ...]
     """Names of the virtual joints."""
     virtual_joint_units: tuple[str, ...]
-    """Unit of each, ``'m'`` or ``'rad'``."""
+    """Unit of each virtual joint, ``'m'`` or ``'rad'``."""
     virtual_joints: Floats
-    """Their displacements, shape (M,) [m, rad]."""
+    """Displacements of the virtual joints, shape (M,) [m, rad]."""
     clearances: Floats
-    """Clearance of each virtual joint, ± its displacement, shape (M,) [m, rad]; NaN if unknown."""
+    """Clearance of each virtual joint to either side, shape (M,) [m, rad]; NaN if unknown."""
     size: float
-    """Size of the displacement, in ``size_unit``."""
+    """Norm of the displacement, in ``size_unit``."""
     size_unit: str
-    """``'m'``, turns being multiplied by the characteristic length; ``'sqrt(J)'`` where every virtual joint has a stiffness."""
+    """Unit of the norm: ``'m'``, with rotations multiplied by the characteristic length, or ``'sqrt(J)'`` if every virtual joint has a stiffness."""
     singular_values: Floats
-    """Of the displacement per displacement of the commanded coordinates, the largest first."""
+    """Singular values of the derivative of the displacement with respect to the commanded coordinates, in descending order."""
     characteristic_length_m: float
-    """Length by which turns are multiplied [m]."""
+    """Characteristic length, by which rotations are multiplied [m]."""

@@ -1,4 +1,4 @@
-"""Folders of parts of a study: local, or of any file system of fsspec."""
+"""Folders of the parts of a study, local or on a file system of fsspec."""
 
 from __future__ import annotations
 
@@ -18,31 +18,31 @@ if TYPE_CHECKING:
 DIRECT = frozenset(
     {"memory", "s3", "s3a", "gs", "gcs", "abfs", "abfss", "az", "adl", "oci", "oss", "r2", "asynclocal"}
 )
-"""File systems of fsspec on which a file appears once it is complete."""
+"""File systems of fsspec on which a file appears only when it is complete."""
 
 
 class Store(Protocol):
     """A folder of files."""
 
     def names(self) -> set[str]:
-        """Names of the files; none without the folder."""
+        """Names of the files; empty if the folder does not exist."""
         ...
 
     def exists(self, name: str) -> bool:
-        """Whether there is a file."""
+        """Whether a file exists."""
         ...
 
     def read(self, name: str) -> bytes:
-        """Contents of a file; ``FileNotFoundError`` if there is none."""
+        """Contents of a file; raises ``FileNotFoundError`` if it does not exist."""
         ...
 
     def write(self, name: str, contents: bytes) -> None:
-        """Writes a file whole or not at all; the folder is created."""
+        """Writes a file completely or not at all, and creates the folder if necessary."""
         ...
 
 
 class LocalStore:
-    """A folder of this machine, or one that machines share."""
+    """A folder of the local file system, which machines may share."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -74,7 +74,7 @@ class RemoteStore:
         self._direct = bool(DIRECT & set((protocol,) if isinstance(protocol, str) else protocol))
 
     def names(self) -> set[str]:
-        # Other processes write too.
+        # Other processes write into the same folder.
         self._filesystem.invalidate_cache()
         try:
             found: Iterable[str] = self._filesystem.ls(self._folder, detail=False)
@@ -105,7 +105,7 @@ def _store(location: str, filesystem: Any, options: Mapping[str, Any]) -> Store:
     if filesystem is None and "://" not in location:
         return LocalStore(Path(location))
     try:
-        # Without types of its own.
+        # fsspec has no type annotations.
         fsspec: Any = import_module("fsspec")
         arrow: Any = import_module("fsspec.implementations.arrow")
     except ModuleNotFoundError as error:
@@ -118,10 +118,10 @@ def _store(location: str, filesystem: Any, options: Mapping[str, Any]) -> Store:
 
 
 class Parts:
-    """A folder of parts of a study, one for each chunk; made by ``Plan.parts``.
+    """Folder of the parts of a study, one part for each chunk; ``Plan.parts`` creates it.
 
-    ``write`` computes a part, anywhere and in any order: engines such as Dask, Ray or ``concurrent.futures`` map it over ``missing()``.
-    Parts pickle with their plan; a folder takes one study only.
+    ``write`` computes one part, on any machine and in any order: engines such as Dask, Ray or ``concurrent.futures`` map it over ``missing()``.
+    The object pickles with its plan; a folder contains the parts of one study only.
     """
 
     def __init__(
@@ -147,17 +147,17 @@ class Parts:
 
     @property
     def plan(self) -> Plan:
-        """The study."""
+        """The plan of the study."""
         return self._plan
 
     @property
     def location(self) -> str:
-        """The folder or its URL."""
+        """Path or URL of the folder."""
         return self._location
 
     @property
     def format(self) -> str:
-        """``'parquet'`` or ``'csv'``."""
+        """Format of the tables, ``'parquet'`` or ``'csv'``."""
         return self._format
 
     @property
@@ -167,12 +167,12 @@ class Parts:
         return self._opened
 
     def _done(self) -> set[int]:
-        """The finished parts of the folder."""
+        """Numbers of the finished parts of the folder."""
         self._check(create=False)
         return self._plan._done(self._store.names(), self._format)
 
     def _check(self, *, create: bool) -> None:
-        """Refuses a folder of another study, once; describes a new one."""
+        """Checks once that the folder contains this study, and writes the description of a new folder."""
         if self._checked:
             return
         name, contents = self._plan._manifest(self._format)
@@ -188,7 +188,7 @@ class Parts:
         self._checked = True
 
     def write(self, part: int) -> int:
-        """Computes a part and writes its table, then its record; a finished part is not computed again.
+        """Computes a part, and writes its table and its record; a finished part is not computed again.
 
         Parameters
         ----------
@@ -203,7 +203,7 @@ class Parts:
         Raises
         ------
         PartsError
-            If the folder has the parts of another study.
+            If the folder contains the parts of another study.
         """
         self._check(create=True)
         table_name, record_name = self._plan._part_names(part, self._format)
@@ -225,12 +225,12 @@ class Parts:
         return self._plan._status(self._done())
 
     def summary(self, *, threads: int | None = None) -> dict[str, Any]:
-        """The summary of all samples, to the bit as ``jointplay study`` reports it for the whole study.
+        """The summary of all samples, bit by bit equal to that of ``jointplay study`` for the whole study.
 
         Parameters
         ----------
         threads : int, optional
-            Number of threads for the percentiles; default: one per core.
+            Number of threads for the percentiles; by default one per core.
 
         Raises
         ------
@@ -242,9 +242,9 @@ class Parts:
         return self._plan._summary([self._store.read(name) for name in names], threads)
 
     def gather(self, path: str | os.PathLike[str]) -> None:
-        """Writes the table of all parts to a local file, with the bytes of a run on one machine.
+        """Writes the table of all parts to a local file, with the same bytes as a run on one machine.
 
-        The file is written whole or not at all, and replaced if it exists.
+        The file is written completely or not at all; an existing file is replaced.
 
         Raises
         ------
@@ -276,7 +276,7 @@ class Parts:
             )
 
     def __getstate__(self) -> dict[str, Any]:
-        # Connections are opened where they are used.
+        # The receiving process opens its own connection.
         return {**self.__dict__, "_opened": None, "_checked": False}
 
     def __eq__(self, other: object) -> bool:

@@ -1,4 +1,4 @@
-"""Pictures: SVG in notebooks, and files."""
+"""Pictures of mechanisms, for notebooks and files."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Picture:
-    """A picture, which notebooks show."""
+    """Vector picture that notebooks display."""
 
     svg: str
     """The picture as SVG."""
     own_texts: Sequence[str] = ()
-    """Title and labels that were given; in LaTeX, they may contain formulas."""
+    """Title and labels from the caller; in LaTeX, they may contain formulas."""
 
     def _repr_svg_(self) -> str:
         return self.svg
@@ -32,7 +32,7 @@ class Picture:
         return f"Picture(<SVG, {len(self.svg)} characters>)"
 
     def png(self, width_px: int = 1800) -> bytes:
-        """The picture as PNG of this width."""
+        """The picture as PNG with a width of ``width_px``."""
         return _jointplay.picture_as_png(self.svg, width_px)
 
     def pdf(self) -> bytes:
@@ -42,15 +42,16 @@ class Picture:
     def latex(self, pdf_name: str) -> tuple[str, bytes]:
         """The picture for LaTeX: source with all text, for ``\\input``, and the graphics as PDF without text.
 
-        The source expects the PDF under ``pdf_name``, needs ``\\usepackage{graphicx}``, and takes formulas in the given title and labels, between two ``$``.
+        The source refers to the PDF as ``pdf_name`` and needs ``\\usepackage{graphicx}``.
+        The given title and labels may contain formulas between two ``$``.
         """
         return _jointplay.picture_as_latex(self.svg, pdf_name, list(self.own_texts))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the picture into a file: SVG, PNG, PDF or LaTeX by its extension.
+        """Writes the picture into a file: SVG, PNG, PDF or LaTeX, by its extension.
 
-        With ``.tex``, the graphics are in a PDF of the same name next to it; see `latex`.
-        The file is written whole or not at all; an existing one is replaced.
+        With ``.tex``, the graphics are written into a PDF of the same name in the same folder; see `latex`.
+        The file is written completely or not at all; an existing file is replaced.
         """
         path = Path(path)
         match path.suffix.lower():

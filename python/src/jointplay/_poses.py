@@ -1,4 +1,4 @@
-"""Results of poses: frozen, with their units in their names."""
+"""Results of forward and inverse kinematics: immutable, with units in their names."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ QUANTITIES = (
     "residual_m",
     "iterations",
 )
-"""What can be asked of many poses."""
+"""Quantities that ``Gpr.forward`` computes for many poses."""
 
 
 class ForwardMany(Many):
-    """Where the platform is for each of many rods.
+    """Poses of the platform for many sets of rods.
 
-    With (...) for the shape of the poses, that of the rods without their last axis.
-    Only the quantities that were asked for are there; a pose without an answer is NaN in all of them.
-    The columns of an array lie in one piece each, so that its last axis is not the fastest.
+    The shape (...) of the poses is the shape of the rods without its last axis.
+    The result contains the requested quantities only; a pose without a solution is NaN in all of them.
+    Each column of an array is contiguous in memory, so the last axis has the largest stride.
     """
 
     __slots__ = ("_arrays", "failed", "failure_counts", "status", "virtual_joint_names", "virtualization")
@@ -48,13 +48,13 @@ class ForwardMany(Many):
     virtualization: str
     """Name of the virtualization."""
     virtual_joint_names: tuple[str, ...]
-    """Symbol, limb and unit of each virtual joint, such as ``'u_1_m'``."""
+    """Names of the virtual joints with symbol, limb and unit, such as ``'u_1_m'``."""
     status: NDArray[np.uint8]
-    """What became of each pose, shape (...): 0 where it has an answer, else a ``Status``."""
+    """Status of each pose, shape (...): 0 for a solution, otherwise the reason as a ``Status``."""
     failed: int
-    """How many poses have no answer."""
+    """Number of poses without a solution."""
     failure_counts: Mapping[str, int]
-    """How many have none for which reason."""
+    """Number of failed poses by reason."""
 
     if TYPE_CHECKING:
         azimuth_rad: Floats
@@ -62,7 +62,7 @@ class ForwardMany(Many):
         tilt_rad: Floats
         """Tilt angle, from 0 to π, shape (...) [rad]."""
         torsion_rad: Floats
-        """Turn about the platform normal beyond the shortest rotation to it, shape (...) [rad]."""
+        """Torsion: rotation about the platform normal beyond the shortest rotation from the horizontal, shape (...) [rad]."""
         axis_height_m: Floats
         """Height at which the platform plane crosses the base axis, shape (...) [m]."""
         origin_m: Floats
@@ -74,15 +74,15 @@ class ForwardMany(Many):
         virtual_joints: Floats
         """Displacements of the virtual joints, shape (..., M) [m, rad]."""
         displacement_m: Floats
-        """How far the virtual joints are from nominal, in the metric, shape (...) [m]."""
+        """Norm of the displacement of the virtual joints from nominal, in the metric, shape (...) [m]."""
         ball_displacement_m: Floats
         """Distance of each ball from the centre of its nominal socket, shape (..., 3) [m]."""
         sensitivity: Floats
-        """Singular values of ∂X/∂P in the metric, the largest first, shape (..., 3)."""
+        """Singular values of ∂X/∂P in the metric, in descending order, shape (..., 3)."""
         residual_m: Floats
         """Largest difference between a side and its virtual length, shape (...) [m]."""
         iterations: Floats
-        """Iterations of the solver, 0 for a closed form, shape (...)."""
+        """Number of iterations of the solver, 0 for a closed form, shape (...)."""
 
     def __init__(
         self,
@@ -104,7 +104,7 @@ class ForwardMany(Many):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Names of the arrays that are here."""
+        """Names of the quantities that the result contains."""
         return tuple(self._arrays)
 
     def __getattr__(self, name: str) -> Floats:
@@ -148,7 +148,7 @@ class ForwardMany(Many):
         return _again, (ForwardMany, state)
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Every number of every pose by name, each of shape (n,); poses of several axes in C order."""
+        """Columns of all numbers of all poses, by name, each of shape (n,); poses with several axes in C order."""
         columns: dict[str, NDArray[Any]] = {}
         for name, values in self._arrays.items():
             axes = self.virtual_joint_names if name == "virtual_joints" else AXES.get(name, ())
@@ -163,22 +163,22 @@ def _again(cls: type[Any], state: dict[str, Any]) -> Any:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class InverseMany(Many):
-    """The rods of many tilts.
+    """Rods for many tilts.
 
-    With (...) for the shape that the tilts have together.
+    (...) is the broadcast shape of the tilts.
     """
 
     rods_m: Floats
-    """Rod lengths, shape (..., 3), NaN where there are none [m]; each column lies in one piece."""
+    """Rod lengths, shape (..., 3), NaN without a solution [m]; each column is contiguous in memory."""
     status: NDArray[np.uint8]
-    """What became of each pose, shape (...): 0 where it has rods, else a ``Status``."""
+    """Status of each tilt, shape (...): 0 for a solution, otherwise the reason as a ``Status``."""
     failed: int
-    """How many poses have no rods."""
+    """Number of tilts without a solution."""
     failure_counts: Mapping[str, int]
-    """How many have none for which reason."""
+    """Number of failed poses by reason."""
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Every number of every pose by name, each of shape (n,); poses of several axes in C order."""
+        """Columns of all numbers of all poses, by name, each of shape (n,); poses with several axes in C order."""
         return {**spread("rods_m", self.rods_m, AXES["rods_m"]), "status": self.status.reshape(-1)}
 
     def __repr__(self) -> str:
@@ -187,7 +187,7 @@ class InverseMany(Many):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Platform(Result):
-    """The platform as built: nominal sockets in the platform frame."""
+    """Platform of the three-rod robot: nominal sockets in the platform frame."""
 
     radii_m: Floats
     """Socket radii r_k, shape (3,) [m]."""
@@ -203,42 +203,42 @@ class Platform(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Approximate(Result):
-    """The pose of the approximate model, and how far it tears the sockets off the balls."""
+    """Pose of the rigid-platform approximation, with the gaps between its sockets and the balls."""
 
     rods_m: Floats
     """Rods of the exact inverse kinematics for the same plane, shape (3,) [m]."""
     base_from_platform: Floats
     """Homogeneous transform with the origin on the base axis, shape (4, 4) [m]."""
     gaps_m: Floats
-    """From each ball to its socket, in the base frame, shape (3, 3), a row for each limb [m]."""
+    """Vector from each ball to its socket in the base frame, shape (3, 3), one row for each limb [m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BallClearance(Result):
-    """Clearance of the balls in their sockets that a pose needs, for rigid parts."""
+    """Clearance of the balls in their sockets that a pose requires, for rigid parts."""
 
     displacements_m: Floats
-    """Displacement of each ball from the centre of its socket, under the virtualization, shape (3,) [m]."""
+    """Displacement of each ball from the centre of its socket, by the virtualization, shape (3,) [m]."""
     lower_bound_m: float
-    """Radial clearance that is needed wherever the platform settles, at least [m]."""
+    """Lower bound of the required radial clearance, for any position of the platform [m]."""
     upper_bound_m: float
-    """Radial clearance at which the pose is possible: the largest displacement [m]."""
+    """Radial clearance that is sufficient for the pose: the largest displacement [m]."""
     available_m: float | None
-    """Radial clearance of the robot; None where it is not known [m]."""
+    """Radial clearance of the robot [m]; ``None`` if it is unknown."""
     is_sufficient: bool | None
-    """Whether the available clearance is sufficient; None where it is unknown, or between the bounds."""
+    """Whether the available clearance is sufficient; ``None`` if it is unknown, or between the bounds."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RodDerivatives(Result):
-    """Rods of a tilt with their derivatives by (θ_x, θ_y, z): the tilt as a rotation vector in the base plane, and the axis height."""
+    """Rods of a tilt, with derivatives by (θ_x, θ_y, z): the tilt as a rotation vector in the base plane, and the axis height."""
 
     rods_m: Floats
     """Rod lengths, shape (3,) [m]."""
     jacobian: Floats
-    """∂q_k/∂(θ_x, θ_y, z), shape (3, 3), a row for each rod [m/rad, m/rad, 1]."""
+    """First derivatives ∂q_k/∂(θ_x, θ_y, z), shape (3, 3), one row for each rod [m/rad, m/rad, 1]."""
     second: Floats
-    """∂²q_k/∂(θ_x, θ_y, z)², shape (3, 3, 3), a symmetric matrix for each rod [m/rad²]."""
+    """Second derivatives ∂²q_k/∂(θ_x, θ_y, z)², shape (3, 3, 3), one symmetric matrix for each rod [m/rad²]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -246,7 +246,7 @@ class PlatformDerivatives(Result):
     """Derivatives of a pose of the platform by the rods."""
 
     pose: Forward
-    """The pose."""
+    """Pose at which the derivatives are evaluated."""
     jacobian: Floats
     """Angular velocity, then velocity of the origin, in the base frame, for unit velocities of the rods, shape (6, 3) [rad/m, 1]."""
     jacobian_derivatives: Floats
@@ -254,38 +254,38 @@ class PlatformDerivatives(Result):
     virtual_joints: Floats
     """Derivatives of the M virtual joints by the rods, shape (M, 3) [1, rad/m]."""
     virtual_joints_second: Floats
-    """Their second derivatives, shape (M, 3, 3) [1/m, rad/m²]."""
+    """Second derivatives of the M virtual joints by the rods, shape (M, 3, 3) [1/m, rad/m²]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BrokenLimits(Result):
-    """The limits that many poses break.
+    """Limits that many poses exceed.
 
-    With (...) for the shape of the poses, that of the rods without their last axis.
+    The shape (...) of the poses is the shape of the rods without its last axis.
     """
 
     rods: NDArray[np.bool_]
-    """Whether each rod is beyond its limits, shape (..., 3)."""
+    """Whether each rod exceeds its limits, shape (..., 3)."""
     tilt: NDArray[np.bool_]
-    """Whether the tilt is beyond its limit, shape (...)."""
+    """Whether the tilt exceeds its limit, shape (...)."""
 
     @property
     def any(self) -> NDArray[np.bool_]:
-        """Whether a pose breaks any limit, shape (...)."""
+        """Whether each pose exceeds any limit, shape (...)."""
         return np.asarray(self.rods.any(axis=-1) | self.tilt)
 
 
 @dataclass(frozen=True)
 class BrokenLimit:
-    """A limit that a pose breaks."""
+    """Limit that a pose exceeds."""
 
     limit: str
-    """``'rod 1'``, ``'rod 2'``, ``'rod 3'`` or ``'tilt'``."""
+    """Name of the limit: ``'rod 1'``, ``'rod 2'``, ``'rod 3'`` or ``'tilt'``."""
     found: float
-    """What was found, in ``unit``."""
+    """Value that exceeds the limit, in ``unit``."""
     min: float
-    """Least that is allowed, in ``unit``."""
+    """Smallest allowed value, in ``unit``."""
     max: float
-    """Greatest that is allowed, in ``unit``."""
+    """Largest allowed value, in ``unit``."""
     unit: str
-    """``'m'`` or ``'rad'``."""
+    """Unit of the values, ``'m'`` or ``'rad'``."""

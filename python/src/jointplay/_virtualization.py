@@ -1,4 +1,4 @@
-"""Virtualizations written in Python."""
+"""Base class of virtualizations that are implemented in Python."""
 
 from __future__ import annotations
 
@@ -16,42 +16,42 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class VirtualJoint:
-    """One virtual joint of a virtualization."""
+    """Virtual joint of a virtualization."""
 
     symbol: str
-    """The symbol that joints of this kind share, such as ``'phi'``."""
+    """Symbol of the virtual joint, common to all limbs, such as ``'phi'``."""
     limb: int
-    """The limb it belongs to, counted from 0."""
+    """Index of the limb of the virtual joint, from 0."""
     motion: Literal["linear", "angular"] = "linear"
-    """Whether its coordinate is a length [m] or an angle [rad]."""
+    """Kind of the coordinate: a length [m] for ``'linear'``, an angle [rad] for ``'angular'``."""
 
 
 class Virtualization(ABC):
-    """A model of the socket displacements in the platform plane: a map X → sockets.
+    """Model of the socket displacements in the platform plane: a map from virtual joints X to sockets.
 
-    Use an object of a subclass wherever the name of a virtualization is taken.
-    Any object with these attributes will do; being a subclass only helps to get them right.
+    An object of a subclass replaces the name of a virtualization in all functions.
+    Functions accept any object with these attributes; the base class only supports their implementation.
     All vectors are in the platform frame.
-    Python is called several times for each pose, so this is slow compared with the built-in ones.
+    Each pose calls Python several times, which is slow compared with the built-in virtualizations.
     """
 
     name: str
-    """The name, in lower case."""
+    """Name of the virtualization, in lower case."""
     joints: Sequence[VirtualJoint]
-    """The virtual joints, in the order of X, from 3 to 12 of them."""
+    """Virtual joints in the order of X; 3 to 12 are allowed."""
 
     @abstractmethod
     def nominal(self, platform: Platform) -> ArrayLike:
-        """The X at which every socket is at its nominal place, shape (M,) [m, rad]."""
+        """Virtual joints X at which every socket is at its nominal position, shape (M,) [m, rad]."""
 
     @abstractmethod
     def sockets(self, platform: Platform, x: NDArray[np.float64]) -> ArrayLike:
-        """The three sockets p_k(X), shape (3, 2) [m]."""
+        """Positions p_k(X) of the three sockets, shape (3, 2) [m]."""
 
     @abstractmethod
     def socket_velocities(self, platform: Platform, x: NDArray[np.float64]) -> ArrayLike:
-        """∂p/∂X, shape (M, 3, 2): for each virtual joint the velocities of the three sockets [m/m, m/rad]."""
+        """Derivatives ∂p/∂X of the three sockets by each virtual joint, shape (M, 3, 2) [m/m, m/rad]."""
 
     def closed_form(self, platform: Platform, sides: NDArray[np.float64]) -> ArrayLike | None:
-        """The exact X of least displacement for sides L_12, L_23, L_31, shape (M,), or ``None`` without a closed form."""
+        """Virtual joints X of minimum norm for the sides L_12, L_23, L_31, shape (M,) [m, rad]; ``None`` without a closed form."""
         return None

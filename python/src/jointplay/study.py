@@ -1,4 +1,4 @@
-"""Studies: rasters of tilts, as in the paper, and plans of any length in chunks."""
+"""Studies: rasters of tilts as in the paper, and plans of any number of samples in chunks."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ def simulate(
     solver: Literal["closed-form", "least-norm", "newton"] = "newton",
     metric: Literal["paper", "radius"] | float = "paper",
 ) -> Study:
-    """All poses of a raster, every one from the nominal virtual joints.
+    """Computes all poses of a raster of tilts, each from the nominal virtual joints.
 
-    Defaults are the paper's: its robot, tilt angle from -2° to 2° by 0.2° for each azimuth from 0° to 360°, here by 10°.
+    The defaults are those of the paper: its robot, and tilt angles from -2° to 2° in steps of 0.2° for each azimuth from 0° to 360° in steps of 10°.
 
     Parameters
     ----------
     gpr
-        The robot.
+        The robot; by default that of the paper.
     virtualization
         The virtual joints that model the play.
     azimuth_rad, tilt_rad
-        Arrays of shape (n,): the slow and the fast direction of the raster [rad].
+        Arrays of shape (n,), the slow and the fast axis of the raster [rad].
     height_m
-        Axis height [m]; default: the robot's working height.
+        Axis height [m]; by default the working height of the robot.
     order
-        ``'raster'``: every azimuth from the first tilt angle to the last; ``'serpentine'``: every other azimuth backwards.
+        ``'raster'``: each azimuth from the first tilt angle to the last; ``'serpentine'``: every second azimuth in reverse.
     solver, metric
-        Those of ``Gpr.forward``; default: the paper's iteration.
+        Solver and metric as in ``Gpr.forward``; by default the iteration of the paper.
     """
     if order not in ("raster", "serpentine"):
         from ._errors import UnknownNameError
@@ -70,9 +70,9 @@ def check_bounds(
     solver: Literal["closed-form", "least-norm", "newton"] = "newton",
     metric: Literal["paper", "radius"] | float = "paper",
 ) -> BoundsCheck:
-    """Compares the exact displacement of every tilted pose, from level at the same height, with the paper's bounds.
+    """Compares the exact displacement of each tilted pose, from the level pose at the same height, with the first-order bounds of the paper.
 
-    Parameters are those of ``simulate``.
+    The parameters are those of ``simulate``.
     """
     robot = Gpr.paper() if gpr is None else gpr
     return robot._check_bounds(virtualization, azimuth_rad, tilt_rad, height_m, solver, metric)
