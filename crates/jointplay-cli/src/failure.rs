@@ -53,6 +53,12 @@ pub(crate) enum Failure {
     Interrupted(String),
     #[error("cannot resume from {}: {why}", path.display())]
     Marker { path: PathBuf, why: String },
+    /// An invalid line in the log of a search.
+    #[error(
+        "{}, line {line}, column {}: invalid evaluation; remove the line, or use --force to start again",
+        path.display(), source.column()
+    )]
+    EvaluationLine { path: PathBuf, line: usize, source: serde_json::Error },
     #[error("{}: {source}", folder.display())]
     Parts { folder: PathBuf, source: Box<report::study_parts::PartsError> },
     #[error(transparent)]

@@ -13,6 +13,7 @@
 //! | `output.rs` | text and JSON to standard output |
 //! | `console.rs` | colours and notes |
 //! | `folder.rs` | result files, written completely or not at all |
+//! | `file_lock.rs` | files that one run at a time may write |
 //! | `figure.rs` | the figure that `--figure` writes |
 //! | `progress.rs` | progress and interruption of long computations |
 //! | `space.rs` | free space of a disk |
@@ -22,6 +23,7 @@ mod commands;
 mod console;
 mod failure;
 mod figure;
+mod file_lock;
 mod finite;
 mod folder;
 mod mechanism_input;

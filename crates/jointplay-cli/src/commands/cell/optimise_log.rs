@@ -1,11 +1,11 @@
 //! The log of evaluations of a search, from which another run resumes.
 //!
 //! Its first line identifies cell, program and version; each further line is one evaluated program.
-//! A line that was cut off by a killed run ends the log.
+//! New lines are appended, and complete ones never rewritten; a last line that a killed run cut off is removed.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
-use std::io::Write as _;
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use jointplay::cell::optimise::{Evaluation, Objectives, Signature, TimingSample};
@@ -13,6 +13,7 @@ use jointplay::cell::robot::EffectorId;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
+use crate::file_lock::lock;
 use crate::folder::ForceArgs;
 
 /// Inputs of a search; a log of other inputs is not used.
@@ -77,42 +78,75 @@ pub(super) struct EvaluationLog {
     known: BTreeMap<String, Evaluation>,
 }
 
-impl EvaluationLog {
-    /// Opens a log and reads its evaluations; a log of other inputs is refused, or replaced with `force`.
-    pub(super) fn open(path: &Path, inputs: &Inputs, force: ForceArgs) -> Result<Self, Failure> {
-        let failed = |source| Failure::Write { path: path.to_owned(), source };
-        let text = match std::fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(failed(error)),
-        };
-        let mut lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
-        let header = lines.next().and_then(|line| serde_json::from_str::<Inputs>(line).ok());
-        let is_same = header.as_ref() == Some(inputs);
-        if !(text.is_empty() || is_same || force.is_given()) {
+/// The complete lines of a log.
+#[derive(Default)]
+struct CompleteLines {
+    known: BTreeMap<String, Evaluation>,
+    /// Length of header and evaluations (bytes); 0 without a header.
+    length: u64,
+}
+
+impl CompleteLines {
+    /// Reads the bytes of a log; one of other inputs, or with an invalid line, is refused.
+    ///
+    /// # Arguments
+    /// * `header` – the first line of a log of these inputs
+    fn read(bytes: &[u8], inputs: &Inputs, header: &str, path: &Path) -> Result<Self, Failure> {
+        // Empty, or of a run that was killed while it wrote the header.
+        if bytes.len() < header.len() && header.as_bytes().starts_with(bytes) {
+            return Ok(Self::default());
+        }
+        let lines = bytes.split_inclusive(|&byte| byte == b'\n');
+        let mut lines = lines.filter(|line| line.ends_with(b"\n"));
+        let first = lines.next().unwrap_or_default();
+        let found = serde_json::from_slice::<Inputs>(first).ok();
+        if found.as_ref() != Some(inputs) {
             return Err(Failure::Usage(format!(
                 "{} belongs to another cell, program or version: choose another folder with --out, or use --force to start again",
                 path.display()
             )));
         }
-        let mut known = BTreeMap::new();
-        let mut kept = String::new();
-        if is_same {
-            for line in lines {
-                let Ok(read) = serde_json::from_str::<Line>(line) else { break };
-                kept += line;
-                known.insert(read.program.clone(), read.evaluation());
-            }
+        let (mut known, mut length) = (BTreeMap::new(), first.len() as u64);
+        for (number, line) in (2..).zip(lines) {
+            let read: Line = serde_json::from_slice(line).map_err(|source| {
+                Failure::EvaluationLine { path: path.to_owned(), line: number, source }
+            })?;
+            length += line.len() as u64;
+            let evaluation = read.evaluation();
+            known.insert(read.program, evaluation);
         }
-        let header = serde_json::to_string(inputs).map_err(|error| failed(error.into()))?;
-        let mut file = OpenOptions::new()
-            .create(true)
-            .write(true)
-            .truncate(true)
-            .open(path)
-            .map_err(failed)?;
-        write!(file, "{header}\n{kept}").map_err(failed)?;
-        Ok(Self { path: path.to_owned(), file, known })
+        Ok(Self { known, length })
+    }
+}
+
+impl EvaluationLog {
+    /// Opens a log and reads its evaluations; a log of other inputs or with an invalid line is refused, or replaced with `force`.
+    ///
+    /// The log stays locked: a log that another run writes is refused.
+    pub(super) fn open(path: &Path, inputs: &Inputs, force: ForceArgs) -> Result<Self, Failure> {
+        let unwritable = |source| Failure::Write { path: path.to_owned(), source };
+        let unreadable = |source| Failure::Read { path: path.to_owned(), source };
+        let file =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
+        let mut file = file.map_err(unwritable)?;
+        lock(&file, path)?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(unreadable)?;
+        let json = serde_json::to_string(inputs).map_err(|error| unwritable(error.into()))?;
+        let header = format!("{json}\n");
+        let complete = match CompleteLines::read(&bytes, inputs, &header, path) {
+            Err(_) if force.is_given() => CompleteLines::default(),
+            read => read?,
+        };
+        if complete.length < bytes.len() as u64 {
+            file.set_len(complete.length).map_err(unwritable)?;
+        }
+        file.seek(SeekFrom::Start(complete.length)).map_err(unwritable)?;
+        if complete.length == 0 {
+            file.write_all(header.as_bytes()).map_err(unwritable)?;
+            file.sync_data().map_err(unwritable)?;
+        }
+        Ok(Self { path: path.to_owned(), file, known: complete.known })
     }
 
     /// Evaluation of a program by an earlier run.
@@ -172,5 +206,89 @@ impl Line {
             slip_margin: slip.0,
         };
         Evaluation { objectives: self.objectives.map(objectives), timing: timing.collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn inputs(program: &str) -> Inputs {
+        Inputs {
+            version: "1".to_owned(),
+            cell: "kind = \"cell\"".to_owned(),
+            files: BTreeMap::new(),
+            parameters: BTreeMap::new(),
+            program: program.to_owned(),
+        }
+    }
+
+    fn open(path: &Path, force: ForceArgs) -> Result<EvaluationLog, Failure> {
+        EvaluationLog::open(path, &inputs("HOME"), force)
+    }
+
+    /// A log with evaluations of these programs, closed again.
+    fn logged(path: &Path, programs: &[&str]) {
+        let mut log = open(path, ForceArgs::KEEP).unwrap();
+        for program in programs {
+            log.append(program, &Evaluation::default()).unwrap();
+        }
+    }
+
+    #[track_caller]
+    fn refused(result: Result<EvaluationLog, Failure>, reason: &str) {
+        let error = result.err().expect("the log is refused").to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+
+    #[test]
+    fn a_resumed_log_keeps_its_lines_and_loses_only_one_that_was_cut_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.jsonl");
+        logged(&path, &["A", "B"]);
+        let whole = std::fs::read(&path).unwrap();
+        // Cut off within a letter of two bytes.
+        let cut_off = [&whole[..], "{\"program\":\"ü".as_bytes()].concat();
+        std::fs::write(&path, &cut_off[..cut_off.len() - 1]).unwrap();
+        let log = open(&path, ForceArgs::KEEP).unwrap();
+        assert!(log.known("A").is_some() && log.known("B").is_some());
+        assert_eq!(std::fs::read(&path).unwrap(), whole);
+        drop(log);
+        logged(&path, &["C"]);
+        let longer = std::fs::read(&path).unwrap();
+        assert!(longer.starts_with(&whole) && longer.len() > whole.len());
+        // Killed while the header was written.
+        std::fs::write(&path, &whole[..10]).unwrap();
+        logged(&path, &["A", "B"]);
+        assert_eq!(std::fs::read(&path).unwrap(), whole);
+    }
+
+    #[test]
+    fn an_invalid_line_in_the_middle_is_refused_and_nothing_is_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.jsonl");
+        logged(&path, &["A", "B", "C"]);
+        let text = std::fs::read_to_string(&path).unwrap().replace("\"B\"", "B");
+        std::fs::write(&path, &text).unwrap();
+        refused(open(&path, ForceArgs::KEEP), "line 3, column ");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        let log = open(&path, ForceArgs::REPLACE).unwrap();
+        assert!(log.known("A").is_none(), "the search starts again");
+    }
+
+    #[test]
+    fn a_log_of_another_program_or_in_use_by_another_run_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.jsonl");
+        logged(&path, &["A"]);
+        let text = std::fs::read(&path).unwrap();
+        let other = || EvaluationLog::open(&path, &inputs("WAIT 1 s"), ForceArgs::KEEP);
+        refused(other(), "belongs to another cell, program or version");
+        let running = open(&path, ForceArgs::KEEP).unwrap();
+        for force in [ForceArgs::KEEP, ForceArgs::REPLACE] {
+            refused(open(&path, force), "another run is writing");
+        }
+        drop(running);
+        assert_eq!(std::fs::read(&path).unwrap(), text);
     }
 }

@@ -6,7 +6,7 @@
 //! A resumed run truncates the table to the length in the marker.
 //! The complete table is renamed first, and the marker is removed afterwards.
 
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -16,6 +16,7 @@ use jointplay::report::study_table::{Encoded, Index, Marker, Table, TableKind};
 use jointplay::study::plan::{Block, Totals};
 
 use crate::failure::Failure;
+use crate::file_lock::lock;
 use crate::source::read_text;
 
 /// Interval between two markers; a power cut or a kill loses the chunks since the last one.
@@ -298,18 +299,6 @@ fn names(out: &Path) -> Names {
         PathBuf::from(name)
     };
     Names { path: with(".part"), marker: with(".part.json") }
-}
-
-/// Locks the table against other runs.
-fn lock(file: &File, path: &Path) -> Result<(), Failure> {
-    match file.try_lock() {
-        Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(Failure::Usage(format!(
-            "another run is writing {}: wait for it to end, or choose another --out",
-            path.display()
-        ))),
-        Err(TryLockError::Error(source)) => Err(failed(path)(source)),
-    }
 }
 
 /// Makes a renaming durable across a power cut, on systems that can sync folders.
