@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
-use tempfile::NamedTempFile;
+use jointplay_files::{NewFile, PARTIAL_PREFIX};
 
 use crate::console;
 use crate::failure::Failure;
@@ -34,9 +34,6 @@ impl ForceArgs {
     }
 }
 
-/// Prefix of temporary files; one that is found was left by a killed run.
-const PARTIAL: &str = ".jointplay-partial-";
-
 /// Checks before a long computation whether a folder, and files in it, can be created; leaves nothing behind.
 fn probe(folder: &Path) -> Result<(), Failure> {
     let here = Path::new(".");
@@ -61,7 +58,7 @@ pub(crate) fn check_file(path: &Path, force: ForceArgs) -> Result<(), Failure> {
 ///
 /// Also checks that files can be created there, before a long computation.
 pub(crate) fn check_folder(folder: &Path, force: ForceArgs) -> Result<(), Failure> {
-    let found = names(folder)?.into_iter().filter(|name| !name.starts_with(PARTIAL));
+    let found = names(folder)?.into_iter().filter(|name| !name.starts_with(PARTIAL_PREFIX));
     let found: Vec<String> = found.collect();
     if !found.is_empty() && !force.force {
         return Err(Failure::NotEmpty { folder: folder.to_owned(), names: found });
@@ -94,7 +91,7 @@ pub(crate) struct Staged {
 /// A complete file under its temporary name.
 struct Ready {
     path: PathBuf,
-    file: NamedTempFile,
+    file: NewFile,
     /// (bytes)
     length: u64,
 }
@@ -122,23 +119,19 @@ impl Staged {
     ) -> Result<(), Failure> {
         let path = self.folder.join(name);
         if path.is_dir() {
-            let kind = std::io::ErrorKind::IsADirectory;
-            let source = std::io::Error::new(kind, "a folder has this name");
-            return Err(Failure::Write { path, source });
+            return Err(failed(&path)(std::io::ErrorKind::IsADirectory.into()));
         }
         check_file(&path, self.force)?;
-        let plain = |error: std::io::Error| failed(&path)(error.kind().into());
-        let file = tempfile::Builder::new().prefix(PARTIAL).tempfile_in(&self.folder);
-        let file = file.map_err(plain)?;
-        pending(|paths| paths.push(file.path().to_owned()));
+        let file = NewFile::begin(&path).map_err(failed(&path))?;
+        pending(|paths| paths.push(file.temporary_path().to_owned()));
         let mut writer = std::io::BufWriter::new(file);
         match contents(&mut writer) {
             Ok(()) => {}
-            Err(Contents::Write(error)) => return Err(plain(error)),
+            Err(Contents::Write(error)) => return Err(failed(&path)(error)),
             Err(Contents::Other(failure)) => return Err(failure),
         }
-        let mut file = writer.into_inner().map_err(|error| plain(error.into_error()))?;
-        let length = file.as_file_mut().metadata().map_err(plain)?.len();
+        let file = writer.into_inner().map_err(|error| failed(&path)(error.into_error()))?;
+        let length = file.length().map_err(failed(&path))?;
         self.ready.push(Ready { path, file, length });
         Ok(())
     }
@@ -209,61 +202,35 @@ impl From<jointplay::interop::export::Error> for Contents {
 
 /// Writes one file.
 pub(crate) fn write_file(path: &Path, bytes: &[u8], force: ForceArgs) -> Result<(), Failure> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
     check_file(path, force)?;
-    persist(partial(folder, path, bytes)?, path, force)
+    persist(partial(path, bytes)?, path, force)
 }
 
 /// Writes one file and waits until the disk has it, so that it is complete even after a power cut.
 pub(crate) fn write_durable(path: &Path, bytes: &[u8], force: ForceArgs) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
     check_file(path, force)?;
-    let file = partial(folder, path, bytes)?;
-    file.as_file().sync_all().map_err(failed(path))?;
-    persist(file, path, force)?;
-    if let Ok(folder) = std::fs::File::open(folder) {
-        // Systems that cannot sync folders return an error; the file is complete all the same.
-        drop(folder.sync_all());
-    }
-    Ok(())
+    let mut file = partial(path, bytes)?;
+    file.sync().map_err(failed(path))?;
+    persist(file, path, force)
 }
 
 /// The contents of the future file at `path`, complete, under a temporary name.
-fn partial(folder: &Path, path: &Path, bytes: &[u8]) -> Result<NamedTempFile, Failure> {
-    // The temporary name in the error would be of no use to the user.
-    let plain = |error: std::io::Error| failed(path)(error.kind().into());
-    let mut file = tempfile::Builder::new().prefix(PARTIAL).tempfile_in(folder).map_err(plain)?;
-    file.write_all(bytes).map_err(plain)?;
+fn partial(path: &Path, bytes: &[u8]) -> Result<NewFile, Failure> {
+    let mut file = NewFile::begin(path).map_err(failed(path))?;
+    file.write_all(bytes).map_err(failed(path))?;
     Ok(file)
 }
 
-fn persist(file: NamedTempFile, path: &Path, force: ForceArgs) -> Result<(), Failure> {
-    readable(&file, path)?;
-    let done = if force.force { file.persist(path) } else { file.persist_noclobber(path) };
-    done.map_err(|error| match error.error.kind() {
+fn persist(file: NewFile, path: &Path, force: ForceArgs) -> Result<(), Failure> {
+    let done = if force.force { file.replace() } else { file.create() };
+    done.map_err(|error| match error.kind() {
         // It was created after the check.
         std::io::ErrorKind::AlreadyExists if !force.force => {
             Failure::Exists { path: path.to_owned() }
         }
-        _ => failed(path)(error.error),
+        _ => failed(path)(error),
     })?;
     console::detail(&format!("{}: written", path.display()));
-    Ok(())
-}
-
-/// Temporary files are private; results get the usual permissions.
-#[cfg_attr(not(unix), expect(unused_variables, clippy::unnecessary_wraps))]
-fn readable(file: &NamedTempFile, path: &Path) -> Result<(), Failure> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        let readable = std::fs::Permissions::from_mode(0o644);
-        file.as_file().set_permissions(readable).map_err(failed(path))?;
-    }
     Ok(())
 }
 
@@ -274,7 +241,7 @@ pub(crate) fn remove_stale(
     written: &[(String, Vec<u8>)],
 ) -> Result<(), Failure> {
     for name in names(folder)? {
-        let ours = own.contains(&name) || name.starts_with(PARTIAL);
+        let ours = own.contains(&name) || name.starts_with(PARTIAL_PREFIX);
         let path = folder.join(&name);
         if ours && !path.is_dir() && !written.iter().any(|(new, _)| *new == name) {
             std::fs::remove_file(&path).map_err(failed(&path))?;

@@ -1,11 +1,12 @@
 //! The two files of a work cell, the cell file and the program file, read and written together.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::Read as _;
+use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use jointplay::cell::workcell::Cell;
 use jointplay::format::{cell, program};
+use jointplay_files::{NewFile, replace_both};
 
 /// Name of the built-in example, accepted in place of a file path.
 pub const EXAMPLE: &str = "example";
@@ -112,17 +113,10 @@ impl CellFiles {
     pub(crate) fn write(&self) -> Result<(), String> {
         let path = self.path.as_ref().ok_or("the built-in example is read-only: create a file with `jointplay cell example` and start the studio with it")?;
         let program_path = program_path(path);
-        let previous = std::fs::read(path).ok();
-        let new_cell = write_temporary(path, &self.cell)?;
-        let new_program = write_temporary(&program_path, &self.program)?;
-        replace(&new_cell, path)?;
-        replace(&new_program, &program_path).inspect_err(|_| {
-            // The program was not written: the cell file gets its previous contents back.
-            if let Some(previous) = previous {
-                let _ = std::fs::write(&new_cell, previous)
-                    .and_then(|()| std::fs::rename(&new_cell, path));
-            }
-        })
+        let new_cell = complete(path, &self.cell).map_err(|error| unwritable(path, &error))?;
+        let new_program = complete(&program_path, &self.program)
+            .map_err(|error| unwritable(&program_path, &error))?;
+        replace_both(new_cell, new_program).map_err(|(path, error)| unwritable(&path, &error))
     }
 }
 
@@ -138,24 +132,17 @@ pub(crate) fn hash(value: &impl Hash) -> String {
     format!("{:016x}", hasher.finish())
 }
 
-/// Writes a text to a temporary file in the folder of the file that it is to replace.
-pub(crate) fn write_temporary(path: &Path, text: &str) -> Result<PathBuf, String> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".new");
-    let temporary = path.with_file_name(name);
-    std::fs::write(&temporary, text).map_err(|error| {
-        let _ = std::fs::remove_file(&temporary);
-        format!("cannot write {}: {error}", path.display())
-    })?;
-    Ok(temporary)
+/// The future contents of a file, which the disk has.
+fn complete(path: &Path, text: &str) -> std::io::Result<NewFile> {
+    let mut file = NewFile::begin(path)?;
+    file.write_all(text.as_bytes())?;
+    file.sync()?;
+    Ok(file)
 }
 
-/// Replaces a file by a temporary one.
-pub(crate) fn replace(temporary: &Path, path: &Path) -> Result<(), String> {
-    std::fs::rename(temporary, path).map_err(|error| {
-        let _ = std::fs::remove_file(temporary);
-        format!("cannot write {}: {error}", path.display())
-    })
+/// The message for a file that cannot be written.
+pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> String {
+    format!("cannot write {}: {error}", path.display())
 }
 
 /// Reason why texts were not saved.

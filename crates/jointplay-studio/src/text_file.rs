@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::cell_files::{SaveError, hash, replace, write_temporary};
+use crate::cell_files::{SaveError, hash, unwritable};
 
 /// Reads the text of a file.
 pub(crate) fn read(path: &Path) -> Result<String, String> {
@@ -35,8 +35,8 @@ pub(crate) fn save(
             return Err(SaveError::Changed(why));
         }
     }
-    let temporary = write_temporary(path, text).map_err(SaveError::Unwritable)?;
-    replace(&temporary, path).map_err(SaveError::Unwritable)
+    jointplay_files::write_durable(path, text.as_bytes())
+        .map_err(|error| SaveError::Unwritable(unwritable(path, &error)))
 }
 
 /// Version of a text.

@@ -76,8 +76,8 @@ const TABLE: [Rule; 17] = [
         ours: &[CORE, STUDY, CELL, FORMAT, REPORT, INTEROP, PLOT],
         outside: NONE,
     },
-    // One rule for the files that input may name.
-    Rule { name: FILES, ring: "ring 4", ours: &[], outside: NONE },
+    // One rule for the files that input may name, and for files that are written whole.
+    Rule { name: FILES, ring: "ring 4", ours: &[], outside: Outside::Only(&["tempfile"]) },
     // The command starts the studio's server.
     Rule { name: COMMAND, ring: "ring 4", ours: &[FACADE, FILES, STUDIO], outside: ANY },
     Rule { name: STUDIO, ring: "ring 4", ours: &[FACADE, FILES], outside: ANY },

@@ -239,7 +239,7 @@ impl PartFile {
             )));
         }
         std::fs::rename(&self.path, &self.out).map_err(failed(&self.out))?;
-        sync_folder(&self.out);
+        jointplay_files::sync_folder(&self.out);
         std::fs::remove_file(&self.marker_path).map_err(failed(&self.marker_path))
     }
 
@@ -261,19 +261,8 @@ impl PartFile {
         self.file.sync_data().map_err(failed(&self.path))?;
         self.marker.foot = table.foot(&self.index)?;
         let json = self.marker.to_json(self.seed);
-        let mut new = self.marker_path.clone().into_os_string();
-        new.push(".new");
-        let write = || {
-            let mut file = File::create(&new)?;
-            file.write_all(json.as_bytes())?;
-            file.sync_all()?;
-            std::fs::rename(&new, &self.marker_path)
-        };
-        if let Err(source) = write() {
-            drop(std::fs::remove_file(&new));
-            return Err(failed(&self.marker_path)(source));
-        }
-        sync_folder(&self.marker_path);
+        jointplay_files::write_durable(&self.marker_path, json.as_bytes())
+            .map_err(failed(&self.marker_path))?;
         self.marked = Instant::now();
         self.marking = self.marked - start;
         Ok(())
@@ -299,14 +288,6 @@ fn names(out: &Path) -> Names {
         PathBuf::from(name)
     };
     Names { path: with(".part"), marker: with(".part.json") }
-}
-
-/// Makes a renaming durable across a power cut, on systems that can sync folders.
-fn sync_folder(path: &Path) {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if let Ok(folder) = File::open(folder.unwrap_or(Path::new("."))) {
-        drop(folder.sync_all());
-    }
 }
 
 fn failed(path: &Path) -> impl FnOnce(io::Error) -> Failure + use<> {
