@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::format::cell::MAX_BYTES;
+use jointplay::format::cell::MAX_BYTES as MAX_CELL_BYTES;
 use jointplay::format::mechanism::MAX_BYTES as MAX_MECHANISM_BYTES;
 use jointplay_studio::{
     CellFiles, DEFAULT_PORT, EXAMPLE, Error, MechanismFileOnDisk, RobotFileOnDisk, Server,
@@ -75,7 +75,8 @@ impl Studio {
         let Some(file) = &self.file else {
             return self.serve(&self.robot, self.cell.as_deref(), self.mechanism.as_deref());
         };
-        let source = Source::read(file, MAX_BYTES)?;
+        // The largest limit of all kinds; the file is read again with that of its kind.
+        let source = Source::read(file, MAX_CELL_BYTES.max(MAX_MECHANISM_BYTES))?;
         let kinds = [Kind::ThreeRods, Kind::Mechanism, Kind::Model, Kind::Cell];
         source.require(&kinds, "a robot, a mechanism or a work cell")?;
         let twice = |what: &str, flag: &str| {
@@ -179,7 +180,7 @@ fn cell_files(path: &Path) -> Result<CellFiles, Failure> {
         return Ok(CellFiles::example());
     }
     if path.exists() || path.extension().is_none() {
-        Source::read(path, MAX_BYTES)?.require(&[Kind::Cell], "a work cell")?;
+        Source::read(path, MAX_CELL_BYTES)?.require(&[Kind::Cell], "a work cell")?;
     }
     let files = CellFiles::open(path).map_err(Failure::Robot)?;
     let errors = files.errors();

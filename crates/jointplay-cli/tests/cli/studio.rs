@@ -98,6 +98,21 @@ fn a_mechanism_a_model_with_its_loops_and_a_name_are_opened() {
 }
 
 #[test]
+fn a_file_is_as_long_as_its_kind_allows() {
+    let sandbox = Sandbox::new();
+    let padding = "# One of many lines.\n".repeat(70_000);
+    let text = jointplay::format::catalogue::find("bennett").unwrap().text;
+    sandbox.write("long.toml", &format!("{text}\n{padding}"));
+    let studio = Studio::start(&sandbox, "long.toml --port 0");
+    let answer = studio.ask("GET /api/v1/mechanism HTTP/1.1\r\n");
+    assert!(answer.contains("\"name\":\"long.toml\""), "{answer:.1000}");
+    sandbox.write("long.toml", &format!("{}\n{padding}", jointplay::format::cell::EXAMPLE));
+    let run = sandbox.run("studio --no-open --port 0 long.toml");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("at most 1000000 bytes are allowed"), "{}", run.stderr);
+}
+
+#[test]
 fn it_serves_until_it_is_interrupted() {
     let sandbox = Sandbox::new();
     let studio = Studio::start(&sandbox, "--port 0");
