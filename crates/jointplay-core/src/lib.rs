@@ -15,6 +15,7 @@
 //! | use a mechanism of your own | implement [`constraint::System`] |
 //! | evaluate an arithmetic expression | [`expression`] |
 //! | convert units without changing decimals | [`decimal`] |
+//! | sample a duration at a constant rate | [`sampling`] |
 //! | decompose a matrix, with a rank | [`linalg`] |
 //!
 //! ```
@@ -52,6 +53,8 @@ pub mod mechanism;
 pub mod mobility;
 #[cfg(feature = "std")]
 mod random;
+#[cfg(feature = "std")]
+pub mod sampling;
 #[cfg(feature = "std")]
 pub mod sensitivity;
 pub mod spatial;

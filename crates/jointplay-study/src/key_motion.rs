@@ -1,6 +1,7 @@
 //! A motion through key poses: from rest to rest, straight in tilt and height.
 
 use jointplay_core::gpr::AxisHeight;
+use jointplay_core::sampling;
 use jointplay_core::spatial::Tilt;
 
 use crate::Error;
@@ -48,7 +49,8 @@ impl KeyMotion {
             reached.push(so_far + positive("the duration of a key pose", key.duration)?);
         }
         // Saturates for durations that no computer can sample.
-        let intervals = (reached[reached.len() - 1] * rate).ceil().max(1.0) as usize;
+        let intervals = sampling::intervals(reached[reached.len() - 1], rate).max(1);
+        let intervals = usize::try_from(intervals).unwrap_or(usize::MAX);
         Ok(Self { keys, reached, intervals })
     }
 
@@ -129,6 +131,13 @@ mod tests {
         let motion = KeyMotion::new(vec![key(0.0, 0.0, 0.5, 0.0), key(0.0, 0.01, 0.5, 0.7)], 3.0);
         let motion = motion.unwrap();
         assert_eq!((motion.samples(), motion.time(3)), (4, 0.7));
+    }
+
+    #[test]
+    fn round_off_of_durations_adds_no_sample() {
+        let keys = [0.0, 0.1, 0.2].map(|duration| key(0.0, 0.0, 0.5, duration)).to_vec();
+        let motion = KeyMotion::new(keys, 100.0).unwrap();
+        assert_eq!((motion.samples(), motion.time(30)), (31, 0.1 + 0.2));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The state of all axes at one time.
 
+use jointplay_core::sampling;
+
 use super::profile::AxisState;
 
 /// Positions of all axes with their first three derivatives, at one time of a trajectory.
@@ -55,9 +57,7 @@ impl UniformSampling {
     /// * `rate` – number of samples a second (Hz)
     #[must_use]
     pub fn new(duration: f64, rate: f64) -> Self {
-        // A time within a thousandth of an interval of the end is the end: round-off adds no sample.
-        let intervals = (duration * rate - 1e-3).ceil().max(0.0) as u64;
-        Self { duration, rate, intervals }
+        Self { duration, rate, intervals: sampling::intervals(duration, rate) }
     }
 
     /// Start and end of a duration (s); the start alone where the duration is 0.
