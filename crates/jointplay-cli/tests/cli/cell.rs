@@ -838,6 +838,23 @@ fn stations_are_taught_and_written_back() {
     assert!(refused.stderr.contains("cell example"), "{}", refused.stderr);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_taught_station_is_written_into_a_file_whose_name_is_not_text() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let sandbox = sandbox(&[]);
+    let path = sandbox.path().join(std::ffi::OsStr::from_bytes(b"caf\xe9.toml"));
+    std::fs::rename(sandbox.file("example.toml"), &path).unwrap();
+    let before = std::fs::read_to_string(&path).unwrap();
+    let mut command = sandbox.command(
+        "cell teach --write --station LP2 --first-mm -495,-495,500 --last-mm -494,-495,740",
+    );
+    assert!(command.arg(&path).output().unwrap().status.success());
+    assert_ne!(std::fs::read_to_string(&path).unwrap(), before);
+    let count = std::fs::read_dir(sandbox.path()).unwrap().count();
+    assert_eq!(count, 2, "no other file is written");
+}
+
 #[test]
 fn the_examples_files_replace_nothing() {
     let sandbox = Sandbox::new();

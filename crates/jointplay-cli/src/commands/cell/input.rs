@@ -134,7 +134,6 @@ impl CellArgs {
     }
 
     /// Path of the cell file; `None` for the example.
-    #[cfg(feature = "studio")]
     pub(super) fn path(&self) -> Option<&Path> {
         self.file.as_deref().filter(|_| !self.is_example())
     }

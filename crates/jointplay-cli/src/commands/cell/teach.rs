@@ -1,7 +1,6 @@
 //! `jointplay cell teach`: station poses from taught points.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use clap::Args;
 use jointplay::cell::station::teach::ReferencePoint;
@@ -200,11 +199,11 @@ impl Teach {
             let text = "--write needs a cell file, not standard input";
             return Err(Failure::Usage(text.to_owned()));
         }
-        if source.folder.is_none() {
+        let Some(path) = self.cell.path() else {
             let text = "--write needs a cell file; use `jointplay cell example` to write the example into files";
             return Err(Failure::Usage(text.to_owned()));
-        }
-        folder::write_file(Path::new(&source.label), source.text.as_bytes(), ForceArgs::REPLACE)
+        };
+        folder::write_file(path, source.text.as_bytes(), ForceArgs::REPLACE)
     }
 }
 
