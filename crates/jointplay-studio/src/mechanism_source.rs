@@ -71,6 +71,11 @@ fn diagnostic<P: std::fmt::Display>(error: &Error<P>, in_loops: bool) -> Mechani
     }
 }
 
+/// An error of a whole text.
+fn of_whole(message: String, in_loops: bool) -> MechanismDiagnostic {
+    MechanismDiagnostic { in_loops, line: 1, column: 1, width: 0, message }
+}
+
 fn all<P: std::fmt::Display>(errors: &Errors<P>, in_loops: bool) -> Unread {
     Unread::Invalid(errors.iter().map(|error| diagnostic(error, in_loops)).collect())
 }
@@ -78,16 +83,17 @@ fn all<P: std::fmt::Display>(errors: &Errors<P>, in_loops: bool) -> Unread {
 /// Reads a mechanism.
 pub(crate) fn read(source: &MechanismSource) -> Result<ReadMechanism, Unread> {
     let kind = FileKind::of(&source.text);
+    let replaced: Vec<(String, f64)> =
+        source.parameters.iter().map(|(name, &value)| (name.clone(), value)).collect();
     let (file, text, note) = match kind {
         None | Some(FileKind::Mechanism) => {
-            let replaced: Vec<(String, f64)> =
-                source.parameters.iter().map(|(name, &value)| (name.clone(), value)).collect();
             let file = mechanism::parse_with(&source.text, &replaced)
                 .map_err(|errors| all(&errors, false))?;
             (file, source.text.clone(), None)
         }
         Some(FileKind::ThreeRods) => {
-            let robot = robot::parse(&source.text).map_err(|errors| all(&errors, false))?;
+            let robot =
+                robot::parse_with(&source.text, &replaced).map_err(|errors| all(&errors, false))?;
             let file = three_rods::mechanism_file(&robot, BuiltIn::Planar)
                 .expect("the planar virtualization has slides");
             let note = "This is a three-rod robot, shown as a mechanism with the virtual joints of the planar model; `jointplay studio FILE` opens it in the robot view.";
@@ -95,6 +101,12 @@ pub(crate) fn read(source: &MechanismSource) -> Result<ReadMechanism, Unread> {
             (file, text, Some(note.to_owned()))
         }
         Some(FileKind::Model) => {
+            if let Some((name, _)) = replaced.first() {
+                let message = format!(
+                    "parameter {name:?}: a model has no parameters; the mechanism file that it is converted to can have them"
+                );
+                return Err(Unread::Invalid(vec![of_whole(message, false)]));
+            }
             let model = model(source)?;
             let note = imported_note(&model);
             let text = mechanism::write(&model.mechanism, None);
@@ -117,13 +129,7 @@ fn model(source: &MechanismSource) -> Result<Imported, Unread> {
                 ClosedError::Model(error) => invalid(&error, false),
                 ClosedError::Loops(LoopsError::Toml(errors)) => all(&errors, true),
                 ClosedError::Loops(LoopsError::Yaml(error)) => invalid(&error, true),
-                other => Unread::Invalid(vec![MechanismDiagnostic {
-                    in_loops: true,
-                    line: 1,
-                    column: 1,
-                    width: 0,
-                    message: other.to_string(),
-                }]),
+                other => Unread::Invalid(vec![of_whole(other.to_string(), true)]),
             })
         }
     }

@@ -157,6 +157,31 @@ fn invalid_texts_and_other_kinds_of_files_are_answers() {
 }
 
 #[test]
+fn parameters_are_those_of_the_file_also_for_robots_and_models() {
+    let opened = |text: &str, parameters: Value| {
+        let body = json!({ "mechanism": { "text": text, "parameters": parameters } });
+        answered(OPEN, &body.to_string())
+    };
+    let paper = jointplay::format::robot::PAPER;
+    let (radius, expression) = ("socket_radius_mm = 93.218", "socket_radius_mm = \"r\"");
+    assert!(paper.contains(radius));
+    let robot = format!("{}\n[parameters]\nr = 80\n", paper.replacen(radius, expression, 1));
+    let [same, smaller] = [93.218, 90.0].map(|value| opened(&robot, json!({ "r": value })));
+    assert_eq!(
+        (&same["kind"], &same["text"]),
+        (&"three_rods".into(), &opened(paper, json!({}))["text"])
+    );
+    assert_ne!(same["text"], smaller["text"]);
+    let model = r#"<robot name="one"><link name="base"/></robot>"#;
+    for text in [paper, model] {
+        let refused = opened(text, json!({ "unknown": 1 }));
+        assert_eq!(refused["mechanism"], Value::Null, "{refused}");
+        let message = refused["diagnostics"][0]["message"].as_str().unwrap();
+        assert!(message.contains("unknown"), "{message}");
+    }
+}
+
+#[test]
 fn a_model_is_converted_and_closed_by_its_loops() {
     let urdf = r#"<robot name="two"><link name="base"/><link name="a"/><link name="b"/><link name="c"/>
 <joint name="A" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint>
