@@ -12,7 +12,7 @@ use jointplay_files::{NewFile, replace_both};
 pub const EXAMPLE: &str = "example";
 
 /// Reads a text of at most so many bytes.
-fn read(path: &Path, most: usize) -> std::io::Result<String> {
+pub(crate) fn read_text(path: &Path, most: usize) -> std::io::Result<String> {
     let mut text = String::new();
     let most = most as u64;
     if std::fs::File::open(path)?.take(most + 1).read_to_string(&mut text)? as u64 > most {
@@ -46,9 +46,9 @@ impl CellFiles {
     /// A file that cannot be read, with the reason of the operating system.
     pub fn open(path: &Path) -> Result<Self, String> {
         let cannot = |path: &Path, error| format!("cannot read {}: {error}", path.display());
-        let cell = read(path, cell::MAX_BYTES).map_err(|error| cannot(path, error))?;
+        let cell = read_text(path, cell::MAX_BYTES).map_err(|error| cannot(path, error))?;
         let program_path = program_path(path);
-        let program = match read(&program_path, program::MAX_BYTES) {
+        let program = match read_text(&program_path, program::MAX_BYTES) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
             Err(error) => return Err(cannot(&program_path, error)),

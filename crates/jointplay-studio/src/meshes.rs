@@ -21,18 +21,22 @@ impl MeshFolder {
         Ok(folder)
     }
 
-    /// Canonical path of a mesh file.
-    fn find(&self, mesh: &Mesh) -> Result<PathBuf, robot::Error> {
-        let folder = self.0.as_deref();
-        let folder = folder
-            .ok_or_else(|| mesh.unreadable("the robot was not read from a file".to_owned()))?;
-        let found = jointplay_files::find(folder, &mesh.path, MAX_BYTES);
-        found.map_err(|why| mesh.unreadable(why.to_string()))
+    /// Checks that a mesh file can be read.
+    fn find(&self, mesh: &Mesh) -> Result<(), robot::Error> {
+        let found = jointplay_files::find(self.folder_for(mesh)?, &mesh.path, MAX_BYTES);
+        found.map(drop).map_err(|why| mesh.unreadable(why.to_string()))
     }
 
-    /// Contents of a mesh file.
+    /// Contents of a mesh file; refused if it has grown beyond the limit since it was found.
     pub(crate) fn read(&self, mesh: &Mesh) -> Result<Vec<u8>, robot::Error> {
-        std::fs::read(self.find(mesh)?).map_err(|error| mesh.unreadable(error.to_string()))
+        let read = jointplay_files::read(self.folder_for(mesh)?, &mesh.path, MAX_BYTES);
+        read.map_err(|why| mesh.unreadable(why.to_string()))
+    }
+
+    /// The folder of the robot file, which has the file of a mesh.
+    fn folder_for(&self, mesh: &Mesh) -> Result<&Path, robot::Error> {
+        let folder = self.0.as_deref();
+        folder.ok_or_else(|| mesh.unreadable("the robot was not read from a file".to_owned()))
     }
 }
 

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use crate::cell_files::{SaveError, hash, unwritable};
+use jointplay::format::mechanism::MAX_BYTES;
 
-/// Reads the text of a file.
+use crate::cell_files::{SaveError, hash, read_text, unwritable};
+
+/// Reads the text of a file; the limit is that of mechanisms, the largest of all kinds.
 pub(crate) fn read(path: &Path) -> Result<String, String> {
-    std::fs::read_to_string(path)
-        .map_err(|error| format!("cannot read {}: {error}", path.display()))
+    read_text(path, MAX_BYTES).map_err(|error| format!("cannot read {}: {error}", path.display()))
 }
 
 /// Writes the text of a file completely, or not at all; with `replaces`, only if the file on disk still has this version.
@@ -42,4 +43,21 @@ pub(crate) fn save(
 /// Version of a text.
 pub(crate) fn version_of(text: &str) -> String {
     hash(&text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_has_grown_beyond_the_limit_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mine.toml");
+        std::fs::write(&path, "kind = \"mechanism\"\n").unwrap();
+        assert_eq!(read(&path).unwrap(), "kind = \"mechanism\"\n");
+        let file = std::fs::File::options().write(true).open(&path).unwrap();
+        file.set_len(4_000_001).unwrap();
+        let why = read(&path).unwrap_err();
+        assert!(why.contains("more than the 4000000 bytes that are allowed"), "{why}");
+    }
 }

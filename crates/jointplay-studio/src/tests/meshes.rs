@@ -36,6 +36,10 @@ fn a_mesh_is_served() {
         ("model/stl", &b"solid base"[..])
     );
     assert_eq!(ask(server(), "/api/v1/meshes/platform").status, StatusCode::NOT_FOUND);
+    // It has grown since the start.
+    let grown = std::fs::File::create(folder.path().join("shapes/base.stl")).unwrap();
+    grown.set_len(50_000_001).unwrap();
+    assert_eq!(ask(server(), "/api/v1/meshes/base").status, StatusCode::NOT_FOUND);
     std::fs::remove_file(folder.path().join("shapes/base.stl")).unwrap();
     assert_eq!(ask(server(), "/api/v1/meshes/base").status, StatusCode::NOT_FOUND);
 }
