@@ -32,6 +32,7 @@ mod relief;
 mod schedule;
 mod segment;
 mod sensitivity;
+mod sha256;
 mod station;
 mod study;
 mod study_files;
@@ -84,6 +85,7 @@ pub use schedule::{
 };
 pub use segment::{LimitingReport, SegmentReport};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
+pub use sha256::sha256;
 pub use station::{
     NextPointsReport, PlaneReport, ReferenceReport, SlotUncertaintyReport, StationReport,
     StationUncertaintyReport, TeachReport, UncertaintyReport, teach,

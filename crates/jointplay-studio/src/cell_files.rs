@@ -1,11 +1,11 @@
 //! The two files of a work cell, the cell file and the program file, read and written together.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use jointplay::cell::workcell::Cell;
 use jointplay::format::{cell, program};
+use jointplay::report::sha256;
 use jointplay_files::{NewFile, replace_both};
 
 /// Name of the built-in example, accepted in place of a file path.
@@ -74,15 +74,16 @@ impl CellFiles {
         Self { path: self.path.clone(), cell, program }
     }
 
-    /// Hash of both texts.
+    /// Digest of both texts.
     pub(crate) fn version(&self) -> String {
-        hash(&(&self.cell, &self.program))
+        digest(&[self.cell.as_bytes(), self.program.as_bytes()])
     }
 
-    /// Hash of the absolute path of the cell file; constant for the example, which is not a file.
+    /// Digest of the absolute path of the cell file; constant for the example, which is not a file.
     pub(crate) fn identity(&self) -> String {
-        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        hash(&self.path.as_deref().map(absolute))
+        let Some(path) = &self.path else { return digest(&[]) };
+        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        digest(&[absolute.as_os_str().as_encoded_bytes()])
     }
 
     /// The texts of cell and program.
@@ -125,11 +126,15 @@ fn program_path(cell: &Path) -> PathBuf {
     cell.with_extension("program")
 }
 
-/// Hash of a value, as hexadecimal digits.
-pub(crate) fn hash(value: &impl Hash) -> String {
-    let mut hasher = DefaultHasher::new();
-    value.hash(&mut hasher);
-    format!("{:016x}", hasher.finish())
+/// Digest of some texts, the same in every version of the program: browsers store it with drafts.
+pub(crate) fn digest(texts: &[&[u8]]) -> String {
+    let mut bytes = Vec::new();
+    for text in texts {
+        // With its length: texts that are divided otherwise have another digest.
+        bytes.extend_from_slice(&(text.len() as u64).to_le_bytes());
+        bytes.extend_from_slice(text);
+    }
+    sha256(&bytes)
 }
 
 /// The future contents of a file, which the disk has.
@@ -152,4 +157,17 @@ pub(crate) enum SaveError {
     Changed(String),
     /// The files cannot be written.
     Unwritable(String),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digests_are_the_same_in_every_version() {
+        let expected = "af5570f5a1810b7af78caf4bc70a660f0df51e42baf91d4de5b2328de0e83dfc";
+        assert_eq!(digest(&[b""]), expected);
+        assert_ne!(digest(&[b"ab", b"c"]), digest(&[b"a", b"bc"]));
+        assert_eq!(CellFiles::example().identity(), sha256(b""));
+    }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use jointplay::format::mechanism::MAX_BYTES;
 
-use crate::cell_files::{SaveError, hash, read_text, unwritable};
+use crate::cell_files::{SaveError, digest, read_text, unwritable};
 
 /// Reads the text of a file; the limit is that of mechanisms, the largest of all kinds.
 pub(crate) fn read(path: &Path) -> Result<String, String> {
@@ -42,7 +42,7 @@ pub(crate) fn save(
 
 /// Version of a text.
 pub(crate) fn version_of(text: &str) -> String {
-    hash(&text)
+    digest(&[text.as_bytes()])
 }
 
 #[cfg(test)]

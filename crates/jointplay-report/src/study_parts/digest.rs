@@ -3,10 +3,9 @@
 use std::fmt::Write as _;
 
 use jointplay_format::study::StudyFile;
-use sha2::{Digest as _, Sha256};
 
 use crate::instructions::instructions;
-use crate::study_files::to_hexadecimal;
+use crate::sha256::sha256;
 
 /// Version of this program.
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -25,9 +24,4 @@ pub fn digest(study: &StudyFile) -> String {
         let _ = writeln!(text, "{key} {} {value}", value.len());
     }
     sha256(text.as_bytes())
-}
-
-/// SHA-256 in hexadecimal.
-pub(super) fn sha256(bytes: &[u8]) -> String {
-    to_hexadecimal(&Sha256::digest(bytes))
 }

@@ -2,11 +2,11 @@
 
 use jointplay_study::plan::Totals;
 
-use super::digest::sha256;
 use super::error::PartsError;
 use super::manifest::Manifest;
 use super::names::PartNames;
 use super::totals_of_parts::TotalsOfParts;
+use crate::sha256::sha256;
 use crate::study_table::{Index, Table, TableKind};
 
 /// Puts parts together to the bytes of a run on one machine.

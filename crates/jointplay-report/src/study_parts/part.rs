@@ -4,9 +4,10 @@ use jointplay_format::study::StudyFile;
 use jointplay_study::plan::{Block, Totals};
 use serde::{Deserialize, Serialize};
 
-use super::digest::{VERSION, digest, sha256};
+use super::digest::{VERSION, digest};
 use super::error::PartsError;
 use super::names::PartNames;
+use crate::sha256::sha256;
 use crate::study_table::{Table, TableKind, TotalsDocument};
 
 /// The files of a finished part, in the order of their writing.

@@ -1,7 +1,6 @@
 //! Cells and programs given on the command line, and their plan.
 
 use std::collections::BTreeMap;
-use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -79,8 +78,8 @@ pub(super) struct CellSource {
     pub(super) text: String,
     /// Folder of the files that the cell refers to; `None` for the example.
     pub(super) folder: Option<PathBuf>,
-    /// Names of the files that were read for the cell, with hashes of their contents.
-    pub(super) files: BTreeMap<String, u64>,
+    /// Names of the files that were read for the cell, with SHA-256 of their contents.
+    pub(super) files: BTreeMap<String, String>,
 }
 
 impl CellSource {
@@ -94,9 +93,7 @@ impl CellSource {
         let mut files = BTreeMap::new();
         let read = cell::read_with(&text, parameters, &mut |name| {
             let bytes = read_relative(folder.as_deref(), name)?;
-            let mut hasher = DefaultHasher::new();
-            bytes.hash(&mut hasher);
-            files.insert(name.to_owned(), hasher.finish());
+            files.insert(name.to_owned(), report::sha256(&bytes));
             Ok(bytes)
         });
         let cell = read.map_err(|problems| Failure::invalid_cell(&problems, &label))?;

@@ -21,8 +21,8 @@ use crate::folder::ForceArgs;
 pub(super) struct Inputs {
     pub(super) version: String,
     pub(super) cell: String,
-    /// Names of the files that the cell refers to, with hashes of their contents.
-    pub(super) files: BTreeMap<String, u64>,
+    /// Names of the files that the cell refers to, with SHA-256 of their contents.
+    pub(super) files: BTreeMap<String, String>,
     /// Parameters of the cell that are set, with their values.
     pub(super) parameters: BTreeMap<String, String>,
     pub(super) program: String,
