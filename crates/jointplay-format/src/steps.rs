@@ -10,7 +10,7 @@ pub const MOST: usize = 1_000_000;
 #[non_exhaustive]
 pub enum Error {
     /// A text other than three numbers with colons between them.
-    #[error("{text:?} is no range: write FROM:TO:STEP, such as -2:2:0.2")]
+    #[error("invalid range {text:?}: expected FROM:TO:STEP, such as -2:2:0.2")]
     Form {
         /// What was found.
         text: String,
@@ -155,10 +155,10 @@ mod tests {
 
     #[test]
     fn invalid_ranges_are_rejected() {
-        refuse("", "write FROM:TO:STEP");
-        refuse("1:2", "write FROM:TO:STEP");
-        refuse("1:2:3:4", "write FROM:TO:STEP");
-        refuse("a:b:c", "write FROM:TO:STEP");
+        refuse("", "expected FROM:TO:STEP");
+        refuse("1:2", "expected FROM:TO:STEP");
+        refuse("1:2:3:4", "expected FROM:TO:STEP");
+        refuse("a:b:c", "expected FROM:TO:STEP");
         refuse("0:nan:1", "finite");
         refuse("0:inf:1", "finite");
         refuse("0:1:0", "does not lead");

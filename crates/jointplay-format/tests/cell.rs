@@ -153,7 +153,7 @@ fn errors_name_their_place_and_the_allowed_values() {
         "column 5 of the expression: expected an operator or the end, found `mm`",
     );
     refuse("[wafer]", "[wafer]\nyoung = 3", "unknown key `young`");
-    refuse("thickness_mm = 0.775", "thickness_mm = 50.0\n", "no thin plate");
+    refuse("thickness_mm = 0.775", "thickness_mm = 50.0\n", "too thick: its thickness");
     refuse("material = \"silicon\"", "material = \"silicone\"", "did you mean `silicon`?");
     refuse("slots = 25", "slots = 25.5", "has to be a whole number");
     refuse("slots = 25", "slots = 0", "`slots` is 0, but has to be from 1 to 1000");

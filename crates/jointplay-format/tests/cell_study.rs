@@ -211,6 +211,10 @@ fn invalid_studies_of_cells_are_refused_with_their_places() {
         2,
         "cycle_time_s",
     );
-    refuse_all("kind = \"study\"\nquantities = [\"slip\"]\ncell = \"dual-arm\"", 3, "is no cell");
+    refuse_all(
+        "kind = \"study\"\nquantities = [\"slip\"]\ncell = \"dual-arm\"",
+        3,
+        "invalid cell \"dual-arm\"",
+    );
     refuse_all("kind = \"study\"\nquantities = [\"slip\"]\ncell = \"short.toml\"", 3, "no file");
 }

@@ -107,7 +107,7 @@ fn invalid_studies_are_rejected_with_the_place_of_the_error() {
     refuse("center_shift_um", "l4_mm", 9, "is not known");
     refuse("center_shift_um", "normal_x_mm", 9, "is not known");
     refuse("center_shift_um", "u1_mm", 9, "`quantities` has \"virtual_joints\" twice");
-    refuse("[0, 360]", "[360, 0]", 12, "uniform from 360 to 0 is no range");
+    refuse("[0, 360]", "[360, 0]", 12, "invalid range, uniform from 360 to 0");
     refuse("[0, 360]", "[0, 360, 1]", 12, "has to be a number, a range");
     refuse("[0, 360]", "[0, nan]", 12, "`azimuth_deg` is not a number");
     refuse("uniform", "unifrom", 12, "did you mean `uniform`?");

@@ -105,7 +105,9 @@ pub enum Error {
         max: f64,
     },
     /// A name that cannot be that of a font family.
-    #[error("{family:?} is no font family: expected a name of letters, digits, spaces and hyphens")]
+    #[error(
+        "invalid font family {family:?}: expected a name of letters, digits, spaces and hyphens"
+    )]
     Font {
         /// The name.
         family: String,

@@ -154,7 +154,11 @@ impl Studio {
         source.require(&[Kind::Mechanism, Kind::Model, Kind::ThreeRods], "a mechanism")?;
         let is_model = source.kind() == Some(Kind::Model);
         if self.loops.is_some() && !is_model {
-            let text = format!("--loops closes the loops of a model, and {} is none", source.label);
+            let found = source.kind().map_or("a file of an unknown kind", Kind::noun);
+            let text = format!(
+                "--loops needs a model (MJCF, SDF, URDF, .FCStd), but {} is {found}",
+                source.label
+            );
             return Err(Failure::Usage(text));
         }
         let read = |path: &PathBuf| Ok::<_, Failure>(Source::read(path, MAX_MECHANISM_BYTES)?.text);

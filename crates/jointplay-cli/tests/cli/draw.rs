@@ -68,7 +68,7 @@ fn a_picture_shows_what_is_asked_for() {
         ("draw four-bar --label motor", "expected NAME=TEXT"),
         ("draw four-bar --width 10", "cannot draw the picture: width of the figure"),
         ("draw four-bar --text-scale 0", "text scale is 0, but has to lie from 0.25 to 10"),
-        ("draw four-bar --font \";\"", "is no font family"),
+        ("draw four-bar --font \";\"", "invalid font family"),
         ("draw four-bar --font Times --figure four-bar.pdf", "--font needs an SVG figure"),
         ("draw gpr-mechanism --exaggerate 0.5", "the play scale must be from 1 to 1e9"),
     ] {

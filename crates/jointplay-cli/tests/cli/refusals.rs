@@ -41,7 +41,7 @@ fn flags_that_make_no_sense() {
     refuse("simulate --tilt-deg 2:-2:0.2", 2, "does not lead from 2 to -2");
     refuse("simulate --tilt-deg -2:2:0", 2, "a step of 0");
     refuse("simulate --tilt-deg -2:2:0.3", 2, "fits");
-    refuse("simulate --tilt-deg -2:2", 2, "write FROM:TO:STEP");
+    refuse("simulate --tilt-deg -2:2", 2, "expected FROM:TO:STEP");
     refuse("simulate --tilt-deg 0:100:10", 2, "got 90°");
     refuse("simulate --azimuth-step-deg 0", 2, "--azimuth-step-deg 0");
     refuse("simulate --azimuth-step-deg 7", 2, "miss 360");

@@ -337,7 +337,7 @@ fn wafer(table: &Table) -> Option<Wafer> {
     let (diameter, thickness) = (diameter?, thickness?);
     if let Err(CellError::NotThin { .. }) = check_thin_plate(thickness, diameter) {
         let why = format!(
-            "a wafer {} mm thick and {} mm wide is no thin plate: its thickness may be a tenth of its diameter at most",
+            "a wafer {} mm thick and {} mm wide is too thick: its thickness may be a tenth of its diameter at most",
             number(crate::units::mm(thickness)),
             number(crate::units::mm(diameter))
         );

@@ -151,7 +151,7 @@ fn read_cell(
         text_of(name, sources).map_err(|message| report(Problem::Mechanism { message })).ok()?
     } else {
         let message = format!(
-            "{name:?} is no cell: `cell` names a file in the folder of the study whose name ends in .toml, or the included cell {EXAMPLE:?}"
+            "invalid cell {name:?}: `cell` names a file in the folder of the study whose name ends in .toml, or the included cell {EXAMPLE:?}"
         );
         report(Problem::Mechanism { message });
         return None;

@@ -57,7 +57,7 @@ pub enum Problem {
         key: String,
     },
     /// A range to draw from whose ends do not ascend.
-    #[error("`{key}`: uniform from {} to {} is no range; the first has to be the smaller", number(*.from), number(*.to))]
+    #[error("`{key}`: invalid range, uniform from {} to {}: the first number must be less than the second", number(*.from), number(*.to))]
     Reversed {
         /// The key.
         key: String,

@@ -104,7 +104,7 @@ impl PartsArgs {
             (None, Some(_)) => None,
             (None, None) if self.status || self.gather.is_some() => {
                 return Err(Failure::Usage(format!(
-                    "{} is no folder of parts: it has no study.json; name the study file too",
+                    "{} has no study.json: give a folder with parts of a study, or name the study file",
                     path.display()
                 )));
             }
