@@ -1,29 +1,8 @@
 //! Study files: what is read, what is refused and where.
 
-use jointplay_format::study::{Error, StudyFile, included, parse};
+use jointplay_format::study::{Error, included, parse};
 
-const STUDY: &str = r#"kind = "study"
-name = "a study"
-robot = "gpr"
-virtualizations = ["planar", "polar"]
-solver = "newton"
-metric = 12.5
-samples = 100
-seed = 9
-quantities = ["q1_mm", "center_shift_um", "virtual_joints"]
-
-[pose]
-azimuth_deg = { uniform = [0, 360] }
-tilt_deg = "-1:1:0.5"
-height_mm = [480.1, 500]
-
-[tolerances]
-base_x_mm = { normal = [0, 0.01] }
-"#;
-
-fn study(text: &str) -> StudyFile {
-    parse(text, &mut included).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
-}
+use crate::example_study::{STUDY, study};
 
 /// Replaces a part of the study and checks the error message.
 #[track_caller]

@@ -10,6 +10,8 @@ mod host;
 mod loop_files;
 mod loops;
 mod mechanism_export;
+#[path = "../../jointplay-format/tests/message_words.rs"]
+mod message_words;
 mod messages;
 mod parts;
 mod peaks;

@@ -1,31 +1,11 @@
 //! Tables of studies and the markers of interrupted runs read back to the bit.
 
-use jointplay_format::study::{StudyFile, included, parse};
+#[path = "../../jointplay-format/tests/example_study.rs"]
+mod example_study;
+
+use example_study::{STUDY, study};
 use jointplay_report::study_table::{Marker, MarkerError, TableKind};
 use jointplay_study::plan::{Moments, Totals};
-
-const STUDY: &str = r#"kind = "study"
-name = "a study"
-robot = "gpr"
-virtualizations = ["planar", "polar"]
-solver = "newton"
-metric = 12.5
-samples = 100
-seed = 9
-quantities = ["q1_mm", "center_shift_um", "virtual_joints"]
-
-[pose]
-azimuth_deg = { uniform = [0, 360] }
-tilt_deg = "-1:1:0.5"
-height_mm = [480.1, 500]
-
-[tolerances]
-base_x_mm = { normal = [0, 0.01] }
-"#;
-
-fn study(text: &str) -> StudyFile {
-    parse(text, &mut included).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
-}
 
 #[test]
 fn markers_read_back_exactly() {
