@@ -73,9 +73,9 @@ def test_a_plan_is_its_text():
     # Comments and names change no number.
     assert jp.study.Plan.from_toml("# mine\n" + SMALL.replace("robots", "my robots")) == plan
     assert jp.study.Plan.from_toml(SMALL.replace("seed = 12", "seed = 13")) != plan
-    assert [jp.study.Plan.example(name).samples for name in ("center-shift", "misbuilt")] == [2232, 10_000]
-    with pytest.raises(jp.UnknownNameError, match="misbuilt"):
-        jp.study.Plan.example("missbuilt")  # type: ignore[arg-type]
+    assert [jp.study.Plan.example(name).samples for name in ("center-shift", "tolerances")] == [2232, 10_000]
+    with pytest.raises(jp.UnknownNameError, match="tolerances"):
+        jp.study.Plan.example("tolerences")  # type: ignore[arg-type]
     with pytest.raises(jp.FileError, match="seed"):
         jp.study.Plan.from_toml(SMALL.replace("seed = 12", "seed = -1"))
 

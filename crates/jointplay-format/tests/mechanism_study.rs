@@ -207,7 +207,7 @@ fn statuses(block: &Block) -> Vec<&'static str> {
 }
 
 /// The robot with its rods apart from the sockets of its platform, which are `r` from its centre.
-fn misbuilt() -> String {
+fn with_rods_apart() -> String {
     let text = catalogue::find("gpr-mechanism").unwrap().text;
     let mut text = text.replacen("height = 500", "height = 500\noff = 0", 1);
     for (k, at) in
@@ -228,7 +228,7 @@ fn misbuilt() -> String {
     text
 }
 
-const MISBUILT: &str = r#"kind = "study"
+const RODS_APART: &str = r#"kind = "study"
 mechanism = "m.toml"
 quantities = ["virtual_joints"]
 [parameters]
@@ -242,7 +242,7 @@ off = [0, -0.2, 0.05]
 /// A rod too far outside displaces its own socket by as much, and no other.
 #[test]
 fn dimensions_that_do_not_close_displace_virtual_joints() {
-    let study = parse(MISBUILT, &mut |_| Ok(misbuilt().into_bytes()))
+    let study = parse(RODS_APART, &mut |_| Ok(with_rods_apart().into_bytes()))
         .unwrap_or_else(|error| panic!("{error}"));
     let block = computed(&study);
     assert_eq!(statuses(&block), ["solved"; 6]);
@@ -253,9 +253,9 @@ fn dimensions_that_do_not_close_displace_virtual_joints() {
         assert!(found[1].abs() < 1e-11 && found[2].abs() < 1e-11, "{found:?}");
     }
     // Without virtual joints there is no configuration, and with other parameters no mechanism.
-    let rigid = misbuilt();
+    let rigid = with_rods_apart();
     let rigid = rigid[..rigid.find("[[virtual_joint]]").unwrap()].to_owned();
-    let level = MISBUILT.replace("[0, 3]", "0").replace("virtual_joints", "joints");
+    let level = RODS_APART.replace("[0, 3]", "0").replace("virtual_joints", "joints");
     let statuses_of = |study: &str| {
         statuses(&computed(
             &parse(study, &mut |_| Ok(rigid.clone().into_bytes()))

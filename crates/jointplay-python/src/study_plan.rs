@@ -76,7 +76,7 @@ impl PyPlan {
         Self::parse(py, text, "text".to_owned(), &mut |name| read_named(name, folder.as_deref()))
     }
 
-    /// An included example: `'center-shift'`, `'misbuilt'`, `'play-over-the-workspace'`, `'slider-crank'` or `'station-positions'`.
+    /// An included example: `'center-shift'`, `'play-over-the-workspace'`, `'slider-crank'`, `'station-positions'` or `'tolerances'`.
     #[staticmethod]
     #[pyo3(signature = (name="center-shift"))]
     fn example(py: Python<'_>, name: &str) -> PyResult<Self> {

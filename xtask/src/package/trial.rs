@@ -57,7 +57,7 @@ fn installed(unpacked: &Unpacked) -> io::Result<()> {
 /// # Errors
 /// If a command fails, or the page is missing or incomplete.
 pub(crate) fn exercise(command: impl Fn() -> Command) -> io::Result<()> {
-    for line in ["--version", "mobility hexapod", "study misbuilt --dry-run", "cell check"] {
+    for line in ["--version", "mobility hexapod", "study tolerances --dry-run", "cell check"] {
         succeed(command().args(line.split(' ')).stdout(Stdio::null()))?;
     }
     let mut server =

@@ -281,7 +281,7 @@ fn completion_offers_catalogue_names_and_files_in_every_shell() {
             ("mobility be", &["bennett", "bennett-network", "bearing.toml"][..]),
             ("catalogue show gpr", &["gpr", "gpr-mechanism"]),
             ("forward --robot gp", &["gpr"]),
-            ("study mis", &["misbuilt"]),
+            ("study tol", &["tolerances"]),
             ("sim", &["simulate"]),
         ] {
             let found = candidates(line);

@@ -86,7 +86,7 @@ fn an_example_is_a_study_of_ones_own() {
     assert_eq!(sandbox.run("study mine.toml").code, 0);
     assert_eq!(sandbox.run("study center-shift").code, 0);
     assert_eq!(sandbox.read("mine.csv"), sandbox.read("center-shift.csv"));
-    assert!(sandbox.done("study misbuilt --example").contains("[tolerances]"));
+    assert!(sandbox.done("study tolerances --example").contains("[tolerances]"));
 }
 
 #[test]
@@ -171,7 +171,7 @@ base_x_mm = { uniform = [-0.02, 0.03] }
 #[test]
 fn the_same_study_gives_the_same_bytes_on_any_number_of_threads() {
     let sandbox = Sandbox::new();
-    let text = sandbox.done("study misbuilt --example");
+    let text = sandbox.done("study tolerances --example");
     let (_, first) = studied(&sandbox, &text, "--threads 1");
     for threads in [2, 5] {
         let (_, again) = studied(&sandbox, &text, &format!("--threads {threads}"));
@@ -222,10 +222,10 @@ tilt_deg = { normal = [0, 60] }
 #[test]
 fn a_dry_run_estimates_the_run() {
     let sandbox = Sandbox::new();
-    let dry = sandbox.json("study misbuilt --dry-run");
+    let dry = sandbox.json("study tolerances --dry-run");
     assert!(sandbox.names(".").is_empty());
-    sandbox.run("study misbuilt");
-    let csv = sandbox.read("misbuilt.csv");
+    sandbox.run("study tolerances");
+    let csv = sandbox.read("tolerances.csv");
     let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     assert_eq!(dry["samples"].as_u64().unwrap() as usize, csv.lines().count() - 1);
     let names: Vec<&str> =
@@ -233,7 +233,7 @@ fn a_dry_run_estimates_the_run() {
     assert_eq!(names, header);
     let expected = dry["expected_bytes"].as_f64().unwrap();
     assert!((expected / csv.len() as f64 - 1.0).abs() < 0.02, "{expected} {}", csv.len());
-    assert!(sandbox.done("study misbuilt --dry-run").contains("10000 samples, nothing computed"));
+    assert!(sandbox.done("study tolerances --dry-run").contains("10000 samples, nothing computed"));
 
     // Too many to compute, but their size can be estimated.
     sandbox.write(
@@ -298,7 +298,7 @@ fn usage_errors_are_reported() {
     for (line, message) in [
         ("study s.toml --out t.xlsx", "ends in .csv or .parquet"),
         ("study s.toml --resume", "nothing to resume"),
-        ("study missbuilt", "did you mean `misbuilt`?"),
+        ("study tolerences", "did you mean `tolerances`?"),
         ("study none.toml", "cannot read none.toml"),
         ("study s.toml --threads 0", "the number of threads must be from 1 to 1024"),
         ("study s.toml --threads 1000000", "the number of threads must be from 1 to 1024"),

@@ -18,10 +18,10 @@ macro_rules! entry {
 /// All files of the folder `studies`, the first one first; a test holds the table to the folder.
 const EXAMPLES: &[Example] = &[
     entry!("center-shift"),
-    entry!("misbuilt"),
     entry!("play-over-the-workspace"),
     entry!("slider-crank"),
     entry!("station-positions"),
+    entry!("tolerances"),
 ];
 
 /// All study files that come with the program, the one to begin with first.

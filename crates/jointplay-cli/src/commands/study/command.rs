@@ -35,16 +35,16 @@ use crate::space;
 Examples:
   jointplay study                                      the first example: centre shift over the workspace
   jointplay study --example                            print its study file, as a template
-  jointplay study misbuilt --out misbuilt-robots.csv   ten thousand robots with tolerances
+  jointplay study tolerances --out robots.csv          ten thousand robots with tolerances
   jointplay study slider-crank                         a mechanism: dimensions and drives
   jointplay study station-positions                    a work cell: places of a station, cycle time and margins
-  jointplay study misbuilt --dry-run                   expected duration, size and columns
-  jointplay study misbuilt --parts run --part 0/64     the first of 64 shares of the parts, as a task of a cluster
+  jointplay study tolerances --dry-run                 expected duration, size and columns
+  jointplay study tolerances --parts run --part 0/64   the first of 64 shares of the parts, as a task of a cluster
   jointplay study --parts run --status                 number of finished parts, and the missing ones
   jointplay study --parts run --gather robots.parquet  table and summary of all parts
 
 Ctrl-C stops a study after the current chunk; the finished chunks stay in TABLE.part, and --resume continues.
-Included examples: center-shift, misbuilt, play-over-the-workspace, slider-crank, station-positions.
+Included examples: center-shift, play-over-the-workspace, slider-crank, station-positions, tolerances.
 With --parts, chunks of 65,536 samples (2048 of mechanisms, 64 of cells) become files of their own, on any number of machines; finished ones are not computed again.
 The gathered table has the bytes of a run on one machine.
 Exit codes: 0 done, 1 no sample could be solved or parts are missing, 2 bad input or usage, 130 interrupted.")]
