@@ -14,6 +14,8 @@ use jointplay::report;
 use jointplay::virtualization::Solver;
 use jointplay::{plot, study};
 
+use crate::print_error::PrintError;
+
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -23,8 +25,19 @@ pub(crate) enum Failure {
     Core(#[from] jointplay::Error),
     #[error("{}", explain_study(.0))]
     Study(#[from] study::Error),
+    /// An error of a robot or a cell, in words.
     #[error("{0}")]
     Robot(String),
+    /// Errors in a cell file and in a program file.
+    #[error("{cell}\n{program}")]
+    CellAndProgram { cell: Box<Failure>, program: Box<Failure> },
+    #[error("{program}: the program contains no motion (all axes stay at home)")]
+    NoMotion { program: String },
+    #[error(
+        "{} did not print the page: {source}; write a file that ends in .html and print it from any browser",
+        browser.display()
+    )]
+    Pdf { browser: PathBuf, source: PrintError },
     /// Errors in files.
     #[error("{}", excerpts(.0))]
     Invalid(Vec<Diagnostic>),

@@ -29,6 +29,7 @@ mod folder;
 mod mechanism_input;
 mod model_input;
 mod output;
+mod print_error;
 mod print_page;
 mod progress;
 mod set_args;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::failure::Failure;
+use crate::print_error::PrintError;
 
 /// Commands of browsers that can print pages without a window.
 const COMMANDS: [&str; 7] = [
@@ -61,15 +62,13 @@ impl Browser {
 /// # Arguments
 /// * `html` – the page, which needs no other files
 pub(crate) fn print_page(browser: &Browser, html: &str) -> Result<Vec<u8>, Failure> {
-    let failed = |reason: String| {
-        Failure::Robot(format!(
-            "{} did not print the page: {reason}; write a file that ends in .html and print it from any browser",
-            browser.path.display()
-        ))
-    };
-    let folder = tempfile::tempdir().map_err(|error| failed(error.kind().to_string()))?;
+    printed(browser, html).map_err(|source| Failure::Pdf { browser: browser.path.clone(), source })
+}
+
+fn printed(browser: &Browser, html: &str) -> Result<Vec<u8>, PrintError> {
+    let folder = tempfile::tempdir().map_err(PrintError::Page)?;
     let (page, pdf) = (folder.path().join("page.html"), folder.path().join("page.pdf"));
-    std::fs::write(&page, html).map_err(|error| failed(error.kind().to_string()))?;
+    std::fs::write(&page, html).map_err(PrintError::Page)?;
     let mut command = Command::new(&browser.path);
     command
         .args(["--headless", "--disable-gpu", "--no-pdf-header-footer", "--disable-extensions"])
@@ -79,22 +78,17 @@ pub(crate) fn print_page(browser: &Browser, html: &str) -> Result<Vec<u8>, Failu
         // Chromium refuses to run with its sandbox there; the page has no scripts.
         command.arg("--no-sandbox");
     }
-    let output = command.arg(&page).output();
-    let output = output.map_err(|error| failed(format!("it does not start ({})", error.kind())))?;
+    let output = command.arg(&page).output().map_err(PrintError::Start)?;
     let last_line = || {
         let errors = String::from_utf8_lossy(&output.stderr).into_owned();
         errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("no message").to_owned()
     };
     if !output.status.success() {
-        return Err(failed(format!("{}, {}", output.status, last_line())));
+        return Err(PrintError::Failed { status: output.status, message: last_line() });
     }
     let bytes =
-        std::fs::read(&pdf).map_err(|_| failed(format!("it wrote no file, {}", last_line())))?;
-    if bytes.starts_with(b"%PDF-") {
-        Ok(bytes)
-    } else {
-        Err(failed("its file is no PDF".to_owned()))
-    }
+        std::fs::read(&pdf).map_err(|source| PrintError::File { source, message: last_line() })?;
+    if bytes.starts_with(b"%PDF-") { Ok(bytes) } else { Err(PrintError::NotPdf) }
 }
 
 /// Whether the owner of a file that was just written is the administrator.

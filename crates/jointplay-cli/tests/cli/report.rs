@@ -118,7 +118,7 @@ fn a_report_is_printed_by_a_browser_or_not_written() {
         ("exit 0", "it wrote no file"),
         (
             "for a in \"$@\"; do case $a in --print-to-pdf=*) echo html > \"${a#*=}\";; esac; done",
-            "is no PDF",
+            "is not a PDF",
         ),
     ] {
         let run = browser(script);

@@ -201,10 +201,13 @@ impl InputArgs {
         // Errors of both files are reported together.
         let Settings { of_cell, of_program } = self.settings()?;
         let (cell, program) = (self.cell.load_with(&of_cell), self.program_with(&of_program));
-        let ProgramText { text, label } = match (program, &cell) {
-            (Ok(found), _) => found,
-            (Err(program), Ok(_)) => return Err(program),
-            (Err(program), Err(cell)) => return Err(Failure::Robot(format!("{cell}\n{program}"))),
+        let (cell, ProgramText { text, label }) = match (cell, program) {
+            (cell, Ok(found)) => (cell, found),
+            (Ok(_), Err(program)) => return Err(program),
+            (Err(cell), Err(program)) => {
+                let (cell, program) = (Box::new(cell), Box::new(program));
+                return Err(Failure::CellAndProgram { cell, program });
+            }
         };
         let (program, problems) = program::parse_recovering(&text);
         if problems.is_empty() {
@@ -295,10 +298,7 @@ impl InputArgs {
         let planned = planner.plan(cell, &input.program, &options);
         let (motion, report) = planned.map_err(|error| input.failure(&error))?;
         if motion.steps.is_empty() {
-            return Err(Failure::Robot(format!(
-                "{}: the program contains no motion (all axes stay at home)",
-                input.label
-            )));
+            return Err(Failure::NoMotion { program: input.label });
         }
         drop(progress);
         let violation_notes = export::violation_notes(cell, &report);
