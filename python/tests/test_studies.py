@@ -192,7 +192,7 @@ def test_any_file_system_has_the_parts(kind, format, tmp_path):
     names = parts._store.names()
     expected = {"study.json"} | {f"part-{part:06}.{end}" for part in range(3) for end in (format, "json")}
     assert names == expected
-    with pytest.raises(jp.PartsError, match="seed: 12 there, 13 here"):
+    with pytest.raises(jp.PartsError, match="seed: 12 in the study that was started, 13 in this file"):
         jp.study.Plan.from_toml(SMALL.replace("seed = 12", "seed = 13")).parts(**options, format=format).write(0)
     other = "csv" if format == "parquet" else "parquet"
     with pytest.raises(jp.PartsError, match=f"the parts are {format} tables"):

@@ -119,18 +119,29 @@ fn differences_of_two_studies_name_their_key() {
         |from: &str, to: &str| begun.differences(&study(&STUDY.replacen(from, to, 1)));
     assert_eq!(differences("a study", "another name"), [""; 0]);
     assert_eq!(differences("seed = 9", "# a comment\nseed = 9"), [""; 0]);
-    assert_eq!(differences("seed = 9", "seed = 8"), ["seed: 9 there, 8 here"]);
-    assert_eq!(differences("newton", "least-norm"), ["solver: newton there, least-norm here"]);
-    for (from, to, key) in [
-        ("480.1", "480.2", "height"),
-        ("360", "180", "tilt"),
-        ("0.01", "0.02", "tolerances"),
-        ("12.5", "12", "metric"),
-        ("center_shift_um", "center_shift_mm", "columns"),
+    assert_eq!(
+        differences("seed = 9", "seed = 8"),
+        ["seed: 9 in the study that was started, 8 in this file"]
+    );
+    assert_eq!(
+        differences("newton", "least-norm"),
+        ["solver: newton in the study that was started, least-norm in this file"]
+    );
+    for (from, to, started, found) in [
+        ("480.1", "480.2", "height_mm: [480.1, 500]", "[480.2, 500]"),
+        ("360", "180", "azimuth_deg: uniform [0, 360]", "uniform [0, 180]"),
+        ("0.01", "0.02", "base_x_mm: normal [0, 0.01]", "normal [0, 0.02]"),
+        ("base_x_mm =", "base_y_mm =", "base_x_mm: normal [0, 0.01]", "none"),
+        ("12.5", "12", "metric: 12.5 mm", "12 mm"),
+        ("metric = 12.5", "metric = \"radius\"", "metric: 12.5 mm", "radius"),
     ] {
-        let found = differences(from, to);
-        assert!(found.len() == 1 && found[0].starts_with(key), "{found:?}");
+        let expected = format!("{started} in the study that was started, {found} in this file");
+        assert_eq!(differences(from, to)[0], expected);
     }
+    // The same to twelve digits.
+    assert_eq!(differences("480.1", "480.1000000000001"), ["height_mm: not the same"]);
+    let columns = differences("center_shift_um", "center_shift_mm");
+    assert!(columns.len() == 1 && columns[0].starts_with("columns: "), "{columns:?}");
 }
 
 /// What studies are made of, and what they are not.

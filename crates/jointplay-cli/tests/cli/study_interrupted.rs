@@ -210,10 +210,22 @@ fn a_table_of_another_study_is_not_gone_on_with() {
         assert_eq!(run.code, 2);
         assert!(run.stderr.contains(message), "{}", run.stderr);
     };
-    refused(&STUDY.replace("seed = 5", "seed = 6"), "seed: 5 there, 6 here");
-    refused(&STUDY.replace("400000", "400001"), "samples: 400000 there, 400001 here");
-    refused(&STUDY.replace("1.5]", "1.6]"), "tilt: ");
-    refused(&STUDY.replace("planar", "radial"), "virtualizations: planar there, radial here");
+    refused(
+        &STUDY.replace("seed = 5", "seed = 6"),
+        "seed: 5 in the study that was started, 6 in this file",
+    );
+    refused(
+        &STUDY.replace("400000", "400001"),
+        "samples: 400000 in the study that was started, 400001 in this file",
+    );
+    refused(
+        &STUDY.replace("1.5]", "1.6]"),
+        "tilt_deg: uniform [0, 1.5] in the study that was started, uniform [0, 1.6] in this file",
+    );
+    refused(
+        &STUDY.replace("planar", "radial"),
+        "virtualizations: planar in the study that was started, radial in this file",
+    );
     let whole = sandbox.read("t.csv.part.json");
     sandbox.write("t.csv.part.json", &whole.replacen("\"jointplay\": \"", "\"jointplay\": \"9", 1));
     refused(STUDY, "only the same version can continue it");

@@ -135,9 +135,9 @@ fn a_folder_takes_one_study() {
     sandbox.write("s.toml", &format!("# a comment\n{}", small.replace("\"parts\"", "\"another\"")));
     sandbox.done(run);
     for (from, to, difference) in [
-        ("seed = 4", "seed = 5", "seed: 4 there, 5 here"),
-        ("70000", "70001", "samples: 70000 there, 70001 here"),
-        ("0.01]", "0.02]", "tolerances: "),
+        ("seed = 4", "seed = 5", "seed: 4 in the study that was started, 5 in this file"),
+        ("70000", "70001", "samples: 70000 in the study that was started, 70001 in this file"),
+        ("0.01]", "0.02]", "socket_radius_mm: normal [0, 0.01] in the study that was started"),
         ("\"q2_mm\"", "\"q2_um\"", "columns: "),
     ] {
         sandbox.write("s.toml", &small.replace(from, to));

@@ -8,6 +8,7 @@ use jointplay_study::plan::{Portions, Study as _, SweepPlan, SweptValue, Variati
 
 use super::Problem;
 use super::cell_sample::{CellQuantity, Subject, SweptInput, SweptProgram};
+use super::fact::{self, Fact};
 use super::file::StudyFile;
 use super::names::{Column, Source};
 use super::quantity::{Asked, Group, LENGTHS, NUMBERS, TIMES, Term, quantities};
@@ -430,23 +431,31 @@ fn facts(
     draws: u64,
     seed: u64,
     columns: &[Column],
-) -> Vec<(&'static str, String)> {
-    let joined = |texts: Vec<String>, by: &str| texts.join(by);
+) -> Vec<Fact> {
     let file = |(name, bytes): (&String, &Vec<u8>)| format!("{name} {}", bytes.escape_ascii());
-    let varied = varied.iter().map(|one| {
+    let files: Vec<String> = subject.files.iter().map(file).collect();
+    let programs: Vec<&str> = subject.programs.iter().map(|one| one.text.as_str()).collect();
+    let exact = varied.iter().map(|one| {
         let SweptValue { number, values } = &one.values;
-        format!("{} {} {number} {values:?}", one.key, one.name)
+        format!("{} {} {number} {}", one.key, one.name, fact::exact(values))
     });
+    let shown = varied.iter().map(|one| {
+        let values = fact::shown(&one.values.values, |value| one.unit.of_typed(value));
+        format!("{}{} {values}", one.name, one.unit.suffix())
+    });
+    let values = Fact {
+        key: "values",
+        exact: exact.collect::<Vec<_>>().join("; "),
+        shown: Some(shown.collect::<Vec<_>>().join("; ")),
+    };
+    let columns: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
     vec![
-        ("cell", subject.cell.clone()),
-        ("files", joined(subject.files.iter().map(file).collect(), "\n")),
-        (
-            "programs",
-            joined(subject.programs.iter().map(|one| format!("{:?}", one.text)).collect(), "\n"),
-        ),
-        ("values", joined(varied.collect(), "; ")),
-        ("samples", draws.to_string()),
-        ("seed", seed.to_string()),
-        ("columns", joined(columns.iter().map(|column| column.name.clone()).collect(), ", ")),
+        Fact::not_shown("cell", subject.cell.clone()),
+        Fact::not_shown("files", files.join("\n")),
+        Fact::not_shown("programs", programs.join("\0")),
+        values,
+        Fact::text("samples", draws.to_string()),
+        Fact::text("seed", seed.to_string()),
+        Fact::text("columns", columns.join(", ")),
     ]
 }

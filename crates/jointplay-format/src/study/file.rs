@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use jointplay_study::plan::Study;
 
+use super::fact::Fact;
 use super::names::Column;
 
 /// A study as read.
@@ -22,32 +23,43 @@ pub struct StudyFile {
     pub plan: Arc<dyn Study>,
     /// The columns of its table.
     pub columns: Vec<Column>,
-    pub(super) facts: Vec<(&'static str, String)>,
+    pub(super) facts: Vec<Fact>,
 }
 
 impl StudyFile {
     /// What decides the numbers of this study, by key; two studies that agree in all have the same table.
-    #[must_use]
-    pub fn facts(&self) -> &[(&'static str, String)] {
-        &self.facts
+    ///
+    /// Numbers have all their bits.
+    pub fn facts(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        self.facts.iter().map(|fact| (fact.key, fact.exact.as_str()))
     }
 
-    /// In what another study differs from this one, in words; nothing where both have the same table.
+    /// Differences of a study file from this study, which was started, in words; nothing where both have the same table.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {
-        /// Longer values are not shown.
-        const LONGEST: usize = 60;
-        let here = |key: &str| other.facts.iter().find(|(name, _)| *name == key);
-        let there = self.facts.iter().filter_map(|(key, a)| {
-            let b = here(key).map_or("none", |(_, b)| b.as_str());
-            (a != b).then(|| {
-                if a.len() + b.len() < 2 * LONGEST {
-                    format!("{key}: {a} there, {b} here")
-                } else {
-                    format!("{key}: not the same")
-                }
-            })
+        let of = |study: &Self, key: &str| study.facts.iter().position(|fact| fact.key == key);
+        let changed = self.facts.iter().filter_map(|fact| {
+            let found = of(other, fact.key).map(|k| &other.facts[k]);
+            let is_same = found.is_some_and(|found| found.exact == fact.exact);
+            (!is_same).then(|| difference(fact.key, Some(fact), found))
         });
-        there.collect()
+        let added = other.facts.iter().filter(|fact| of(self, fact.key).is_none());
+        changed.chain(added.map(|fact| difference(fact.key, None, Some(fact)))).collect()
+    }
+}
+
+/// A property in which a study file differs from the study that was started.
+fn difference(key: &str, started: Option<&Fact>, found: Option<&Fact>) -> String {
+    /// Longer values are not shown.
+    const LONGEST: usize = 60;
+    let shown = |fact: Option<&Fact>| match fact {
+        None => Some("none".to_owned()),
+        Some(fact) => fact.shown.clone(),
+    };
+    match (shown(started), shown(found)) {
+        (Some(a), Some(b)) if a != b && a.len() + b.len() < 2 * LONGEST => {
+            format!("{key}: {a} in the study that was started, {b} in this file")
+        }
+        _ => format!("{key}: not the same"),
     }
 }

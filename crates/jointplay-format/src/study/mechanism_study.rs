@@ -10,6 +10,7 @@ use jointplay_study::plan::{
 };
 
 use super::Problem;
+use super::fact::{self, Fact};
 use super::file::StudyFile;
 use super::names::{Column, Source};
 use super::quantity::{ANGLES, Asked, Group, LENGTHS, NUMBERS, Term, quantities};
@@ -85,7 +86,7 @@ pub(super) fn read(
         name: name?,
         text: text.to_owned(),
         mechanism: file.mechanism.name().to_owned(),
-        facts: facts(&plan, &mechanism_text, &names, &columns),
+        facts: facts(&plan, (file.units, &coordinates), &mechanism_text, &names, &columns),
         files: BTreeMap::new(),
         plan: Arc::new(plan),
         columns,
@@ -301,30 +302,42 @@ fn unit(units: Units, coordinates: &Coordinates, k: usize) -> Unit {
 /// What decides the numbers of a study.
 fn facts(
     plan: &MechanismPlan,
+    (units, coordinates): (Units, &Coordinates),
     mechanism_text: &str,
     parameters: &[String],
     columns: &[Column],
-) -> Vec<(&'static str, String)> {
-    let varied = |values: Vec<String>| values.join("; ");
+) -> Vec<Fact> {
     let of_parameters = plan.parameters.iter().zip(parameters);
+    let of_parameters: Vec<[String; 2]> = of_parameters
+        .map(|(one, name)| {
+            [fact::exact(&one.values), fact::shown(&one.values, |value| value)]
+                .map(|values| format!("{name} {values}"))
+        })
+        .collect();
+    let of_drives = plan.drives.iter().map(|one| {
+        let (k, name) = (one.coordinate, &coordinates.all()[one.coordinate].name);
+        let unit = unit(units, coordinates, k);
+        let shown = fact::shown(&one.values, |value| unit.of_typed(value));
+        let shown = format!("{name} {shown} {}", unit.code().unwrap_or_default());
+        [format!("{k} {}", fact::exact(&one.values)), shown]
+    });
+    let of_drives: Vec<[String; 2]> = of_drives.collect();
     let columns: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
     vec![
-        ("mechanism", mechanism_text.to_owned()),
-        (
-            "parameters",
-            varied(of_parameters.map(|(one, name)| format!("{name} {:?}", one.values)).collect()),
-        ),
-        (
-            "drives",
-            varied(
-                plan.drives
-                    .iter()
-                    .map(|one| format!("{} {:?}", one.coordinate, one.values))
-                    .collect(),
-            ),
-        ),
-        ("samples", plan.draws.to_string()),
-        ("seed", plan.seed.to_string()),
-        ("columns", columns.join(", ")),
+        Fact::not_shown("mechanism", mechanism_text.to_owned()),
+        joined("parameters", &of_parameters),
+        joined("drives", &of_drives),
+        Fact::text("samples", plan.draws.to_string()),
+        Fact::text("seed", plan.seed.to_string()),
+        Fact::text("columns", columns.join(", ")),
     ]
+}
+
+/// Varied quantities, exact and for messages.
+fn joined(key: &'static str, values: &[[String; 2]]) -> Fact {
+    let [exact, shown] = [0, 1].map(|k| {
+        let texts: Vec<&str> = values.iter().map(|one| one[k].as_str()).collect();
+        if texts.is_empty() { "none".to_owned() } else { texts.join("; ") }
+    });
+    Fact { key, exact, shown: Some(shown) }
 }

@@ -9,6 +9,7 @@
 mod cell_sample;
 mod cell_study;
 mod examples;
+mod fact;
 mod file;
 mod mechanism_study;
 mod names;

@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
 use jointplay_study::plan::{Plan, RodsFrom, Study as _, TiltForm, Tilts, Tolerances, Variation};
 
 use super::Problem;
+use super::fact::Fact;
 use super::file::StudyFile;
 use super::names::{self, Column};
 use super::quantity::quantities;
@@ -16,8 +18,9 @@ use super::sources::{Sources, text_of};
 use super::spread::{self, Allowed};
 use super::tree::{Table, count, entries, report_twice};
 use crate::mechanism;
+use crate::number::number;
 use crate::robot::{self, Robot};
-use crate::units::m_from_mm;
+use crate::units::{deg, m_from_mm, mm};
 
 /// The longest length that a study may name (mm): a kilometre, far from where squares overflow.
 const LONGEST_MM: f64 = 1e6;
@@ -251,20 +254,60 @@ fn first_random(top: &Table, pose: &Table, plan: &Plan) -> std::ops::Range<usize
 }
 
 /// What decides the numbers of a study.
-fn facts(plan: &Plan, columns: &[Column]) -> Vec<(&'static str, String)> {
+fn facts(plan: &Plan, columns: &[Column]) -> Vec<Fact> {
     let names: Vec<&str> = plan.models.iter().map(|model| model.name()).collect();
     let columns: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    let [first, second] = match plan.tilt.form {
+        TiltForm::AzimuthAngle => ["azimuth_deg", "tilt_deg"],
+        TiltForm::AboutXAndY => ["tilt_x_deg", "tilt_y_deg"],
+    };
+    let Tolerances { socket_radius, socket_angle, base_x, base_y } = &plan.tolerances;
+    let tolerance =
+        |key: &'static str, values: &Option<Variation>, in_file: fn(f64) -> f64| match values {
+            Some(values) => Fact::varied(key, values, in_file),
+            None => Fact::text(key, "none"),
+        };
+    let metric = match plan.options.metric {
+        Metric::Paper => Fact::text("metric", "paper"),
+        Metric::PlatformRadius => Fact::text("metric", "radius"),
+        Metric::Length(length) => Fact {
+            key: "metric",
+            exact: length.to_string(),
+            shown: Some(format!("{} mm", number(mm(length)))),
+        },
+    };
+    let rods_from = match plan.rods_from {
+        RodsFrom::Nominal => "nominal",
+        RodsFrom::AsBuilt => "as-built",
+    };
     vec![
-        ("robot", format!("{:?}", plan.gpr)),
-        ("height", format!("{:?}", plan.height)),
-        ("tilt", format!("{:?}", plan.tilt)),
-        ("tolerances", format!("{:?}", plan.tolerances)),
-        ("rods_from", format!("{:?}", plan.rods_from)),
-        ("samples", plan.draws.to_string()),
-        ("seed", plan.seed.to_string()),
-        ("virtualizations", names.join(", ")),
-        ("solver", plan.options.solver.to_string()),
-        ("metric", format!("{:?}", plan.options.metric)),
-        ("columns", columns.join(", ")),
+        Fact::not_shown("robot", dimensions(&plan.gpr)),
+        Fact::varied("height_mm", &plan.height, mm),
+        Fact::varied(first, &plan.tilt.first, deg),
+        Fact::varied(second, &plan.tilt.second, deg),
+        tolerance("socket_radius_mm", socket_radius, mm),
+        tolerance("socket_angle_deg", socket_angle, deg),
+        tolerance("base_x_mm", base_x, mm),
+        tolerance("base_y_mm", base_y, mm),
+        Fact::text("rods_from", rods_from),
+        Fact::text("samples", plan.draws.to_string()),
+        Fact::text("seed", plan.seed.to_string()),
+        Fact::text("virtualizations", names.join(", ")),
+        Fact::text("solver", plan.options.solver.to_string()),
+        metric,
+        Fact::text("columns", columns.join(", ")),
     ]
+}
+
+/// All numbers of a robot (m, rad).
+fn dimensions(gpr: &Gpr) -> String {
+    let mut numbers = Vec::new();
+    for limb in gpr.limbs() {
+        numbers.extend([limb.base_point.x, limb.base_point.y]);
+        numbers.extend([limb.socket_radius, limb.socket_angle]);
+    }
+    let limits = gpr.limits();
+    numbers.extend([limits.rod_min, limits.rod_max, limits.tilt_max, gpr.working_height()]);
+    numbers.extend(gpr.ball_clearance());
+    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }
