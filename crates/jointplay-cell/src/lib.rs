@@ -37,6 +37,7 @@
 //! | `collision` | continuous collision checking; its first lines state the guarantee |
 //! | `violation` | violations, their kinds and groups; public in [`check`] |
 //! | `planner` | the [`IncrementalPlanner`] |
+//! | `kinematics_hash` | hash of the inputs of all poses of a cell |
 //! | `arm_placement` | poses of links, end effectors and wafers with deflected arms |
 //! | `conditions`, `validate` | conditions of numbers, and those that a cell has to fulfil |
 //! | `entity`, `error` | [`EntityId`] and [`CellError`] |
@@ -60,6 +61,7 @@ mod error;
 pub mod geometry;
 mod incremental;
 pub mod jog;
+mod kinematics_hash;
 pub mod optimise;
 mod planner;
 pub mod program;

@@ -135,3 +135,22 @@ fn channels_of_windows_follow_the_motion() {
     cell.robot.model.virtualization = BuiltIn::Polar;
     check(&cell, TEXT);
 }
+
+#[test]
+fn one_bit_of_a_cell_changes_the_hash_on_which_its_windows_depend() {
+    let cell = || cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let given = cell().kinematics_hash();
+    assert_eq!(given, cell().kinematics_hash());
+    let changed = |change: fn(&mut Cell)| {
+        let mut cell = cell();
+        change(&mut cell);
+        cell.kinematics_hash()
+    };
+    let hashes = [
+        changed(|cell| cell.gravity = cell.gravity.next_up()),
+        changed(|cell| cell.robot.axes[0].max = cell.robot.axes[0].max.next_up()),
+        changed(|cell| cell.robot.model.virtualization = BuiltIn::Polar),
+        changed(|cell| cell.wafer.thickness = cell.wafer.thickness.next_up()),
+    ];
+    assert!(hashes.iter().all(|hash| *hash != given), "{hashes:?}");
+}

@@ -4,7 +4,7 @@ use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
 
 /// All inputs of a computation, bit by bit; equal cache keys mean equal results.
-#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct CacheKey(Vec<u64>);
 
 /// Value that can be an input of a computation.

@@ -14,7 +14,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use jointplay_cell::program::LocationChange;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::trajectory::Trajectory;
-use jointplay_cell::workcell::Cell;
 use jointplay_format::program::phase_name;
 
 use self::envelope::of_step;
@@ -108,7 +107,7 @@ impl Timeline {
         let most = STEPS.max(motion.steps.len() / MOST_WINDOWS);
         let known = previous.map(|previous| (previous.marks.as_slice(), previous.edges()));
         let edges = cut::edges(&marks, &starts, most, known);
-        let shared = shared(motion_export.cell);
+        let shared = motion_export.cell.kinematics_hash();
         let segments = previous.map_or_else(Arc::default, |one| Arc::clone(&one.segments));
         let mut timeline = Self { windows: Vec::new(), marks, motions, changes, shared, segments };
         let mut moved = BTreeMap::new();
@@ -251,13 +250,6 @@ fn changes(motion_export: &MotionExport<'_>) -> Result<Vec<Change>, Error> {
         changes.push(Change { step, wafer, to: HeldAt::new(&wafers.frames[wafer]) });
     }
     Ok(changes)
-}
-
-/// Hash of the inputs that all windows of a cell share; the debug format distinguishes all numbers.
-fn shared(cell: &Cell) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    format!("{:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity).hash(&mut hasher);
-    hasher.finish()
 }
 
 /// Hash of the content of a step.
