@@ -154,7 +154,7 @@ test('the robot of the paper is relieved by a suggestion, and its play is exagge
     await page.getByTestId('redundant').getByRole('button').first().click();
     await page.getByText('Highlighted: rod 1, rod 2, S1, S2').waitFor();
     // Of three instantaneous motions, one is finite.
-    await page.getByTestId('wiggle').click();
+    await page.getByTestId('animate-motions').click();
     await shows(page, 'animated', 'Instantaneous motion 1 of 3');
     await page.keyboard.press('Escape');
     expect(await page.getByTestId('animated').count()).toBe(0);
@@ -188,7 +188,10 @@ test('files of all kinds are opened, or their kind is reported', async () => {
     await input.setInputFiles(file('study.toml', 'kind = "study"\n'));
     await shows(page, 'mechanism-notice', 'This is a study');
     await input.setInputFiles(file('big.urdf', `<robot name="a">${' '.repeat(1_000_000)}</robot>`));
-    await shows(page, 'mechanism-notice', '1.0 MB');
+    await shows(page, 'mechanism-notice', '1.00 MB');
+    // Short as a file, and too long in a request.
+    await input.setInputFiles(file('lines.urdf', `<robot name="a">${'\n'.repeat(600_000)}</robot>`));
+    await shows(page, 'mechanism-notice', 'needs 1.20 MB in a request');
     await input.setInputFiles(file('broken.toml', FOUR_BAR.slice(0, FOUR_BAR.length / 2)));
     await page.getByTestId('mechanism-diagnostics').waitFor();
     const urdf = '<robot name="arm"><link name="base"/><link name="a"/><link name="b"/><joint name="A" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint><joint name="B" type="prismatic"><parent link="a"/><child link="b"/><origin xyz="0.2 0 0"/><axis xyz="0 0 1"/><limit lower="0" upper="0.1" effort="1" velocity="1"/></joint></robot>';
@@ -212,6 +215,9 @@ test('files of all kinds are opened, or their kind is reported', async () => {
     await page.getByRole('region', { name: 'Work cell' }).waitFor();
     await page.getByRole('tab', { name: 'Cell file' }).click();
     await page.locator('.cm-content').filter({ hasText: 'dropped cell' }).waitFor();
+    // It is not the file of the server.
+    await shows(page, 'cell-file', 'other.toml, not on the server');
+    expect(readFileSync(cell, 'utf8')).toBe(EXAMPLE_CELL);
   });
 });
 
@@ -241,6 +247,34 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     await server.stop();
     await page.getByTestId('mechanism-outdated').waitFor();
     expect(await page.getByTestId('m-finite').count()).toBe(0);
+  });
+});
+
+test('after a failed reload, a file that changed on disk is still not overwritten without a question', async () => {
+  const file = join(folder, 'reloaded.toml');
+  writeFileSync(file, FOUR_BAR);
+  await at([file], async (page) => {
+    await shows(page, 'mechanism-name', 'Four-bar linkage');
+    await type(page, () => FOUR_BAR.replace('Planar four-bar linkage', 'My linkage'));
+    await shows(page, 'mechanism-name', 'My linkage');
+    const theirs = `${FOUR_BAR}# another editor\n`;
+    writeFileSync(file, theirs);
+    await page.getByTestId('mechanism-save').click();
+    await page.getByTestId('mechanism-conflict').waitFor();
+    // The server cannot read the text at this time.
+    await page.route('**/api/v1/mechanism/open', (route) => route.fulfill({ status: 503, contentType: 'application/problem+json', body: '{"detail": "the server is busy"}' }));
+    await page.getByRole('button', { name: 'Reload from disk' }).click();
+    await shows(page, 'mechanism-notice', 'the server is busy');
+    await page.unroute('**/api/v1/mechanism/open');
+    await page.getByTestId('mechanism-save').click();
+    await page.getByTestId('mechanism-conflict').waitFor();
+    expect(readFileSync(file, 'utf8')).toBe(theirs);
+    // After a reload that succeeds, changes are saved.
+    await page.getByRole('button', { name: 'Reload from disk' }).click();
+    await shows(page, 'mechanism-name', 'Four-bar linkage');
+    await type(page, () => `${theirs}# mine\n`);
+    await page.keyboard.press('Control+s');
+    await until('saved', async () => readFileSync(file, 'utf8') === `${theirs}# mine\n`);
   });
 });
 

@@ -138,6 +138,68 @@ test('a file that changed on disk is not overwritten unseen', async () => {
   expect(await page.getByTestId('limb-2-angle').inputValue()).toBe('120');
 });
 
+/** Opens a robot in the dialog *Open*. */
+async function open(name: string, robot: string): Promise<void> {
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-file').setInputFiles({ name, mimeType: 'text/plain', buffer: Buffer.from(robot) });
+  await until('it is open', async () => (await fileName()).startsWith(name));
+}
+const fileName = async () => (await page.getByTestId('robot-editor').locator('h2 .soft').textContent()) ?? '';
+const undo = () => page.getByRole('button', { name: 'Undo' }).click();
+
+test('undo after opening another robot returns to the file of the server, its parameters and its unsaved changes', async () => {
+  await page.goto('about:blank');
+  await server.stop();
+  writeFileSync(file, STRANGE);
+  server = await serve(0, ['--robot', file, '--set', 'r=85']);
+  await load(page, server.address);
+  await drawn(page);
+  await edit();
+  await type('limb-3-x', '-86');
+  await holds('[-86.0, -85.5]');
+  await open('paper.toml', PAPER);
+  await holds('socket_radius_mm = 93.218');
+  expect(await page.getByTestId('robot-save').count()).toBe(0);
+  expect(await fileName()).toBe('paper.toml');
+  await type('field-socket-radius', '100');
+  await holds('socket_radius_mm = 100.0');
+  await undo();
+  await holds('socket_radius_mm = 93.218');
+  expect(await fileName()).toBe('paper.toml');
+  await undo();
+  await holds('[-86.0, -85.5]');
+  await until('the name is restored', async () => (await fileName()) === 'mine.toml: unsaved changes');
+  expect(await page.getByTestId('parameter-r').inputValue()).toBe('85');
+  await until('the radius is that of the parameter', async () => (await page.getByTestId('limb-1-radius').inputValue()) === '85');
+  await page.getByTestId('robot-save').click();
+  await saved();
+  expect(readFileSync(file, 'utf8')).toBe(STRANGE.replace('[-85,', '[-86.0,'));
+  // Redo opens the other robot again, which is no change of the file of the server.
+  await page.getByRole('button', { name: 'Redo' }).click();
+  await until('the other robot is open', async () => (await fileName()) === 'paper.toml');
+  await undo();
+  await until('the saved file is shown', async () => (await fileName()) === 'mine.toml');
+});
+
+test('changes of fields are made after a reconnection, as an undo step', async () => {
+  await edit();
+  await type('limb-2-angle', '125');
+  await holds('socket_angle_deg = 125.0');
+  await page.route('**/api/v1/**', (route) => route.abort());
+  await type('field-socket-radius', '120');
+  await page.getByTestId('disconnected').waitFor();
+  await type('field-robot-tilt_limit', '1');
+  expect(await text()).toContain('socket_radius_mm = 93.218');
+  await page.unroute('**/api/v1/**');
+  await holds('socket_radius_mm = 120.0');
+  await holds('tilt_deg = 1.0');
+  expect((await text()).match(/socket_radius_mm = 120\.0/g)).toHaveLength(3);
+  await undo();
+  await holds('socket_radius_mm = 93.218');
+  expect(await text()).toContain('socket_angle_deg = 125.0');
+  expect(heard.splice(0).filter((line) => !line.includes('ERR_FAILED'))).toEqual([]);
+});
+
 test('expressions are shown and not overwritten; parameters change what depends on them', async () => {
   // The page would ask the stopped server.
   await page.goto('about:blank');

@@ -3,7 +3,7 @@
 import { readFileSync, writeFileSync } from 'node:fs';
 import type { Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from 'vitest';
-import { EXAMPLE_CELL, SHORT_PROGRAM, cellFixture, checkState, complaints, frames, load, partNames, reload, serve, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
+import { EXAMPLE_CELL, SHORT_PROGRAM, bytesOf, cellFixture, checkState, complaints, frames, load, partNames, reload, serve, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
 
 let fixture: CellFixture;
 let page: Page;
@@ -260,6 +260,67 @@ test('Ctrl+S saves in the editor and in a number field', async () => {
   await page.getByTestId('station-LP1-x').fill('-494');
   await page.keyboard.press('Control+s');
   await until('the number is saved', async () => readFileSync(fixture.cellFile, 'utf8').includes('-494'));
+});
+
+test('another cell is opened and downloaded, and the files of the server remain', async () => {
+  const saves: string[] = [];
+  page.on('request', (request) => request.method() === 'PUT' && saves.push(request.url()));
+  const file = () => page.getByTestId('cell-file').innerText();
+  const other = EXAMPLE_CELL.replace(/^name = "[^"]*"/m, 'name = "other cell"');
+  await append('# mine\n');
+  await checkResult('passed');
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-file').setInputFiles({ name: 'other.toml', mimeType: 'text/plain', buffer: Buffer.from(other) });
+  await until('it is open', async () => (await file()) === 'other.toml, not on the server');
+  expect(await page.getByTestId('save').count()).toBe(0);
+  expect((await text()).trim(), 'the program of the server is not that of the other cell').toBe('');
+  await editor().click();
+  await page.keyboard.insertText(SHORT_PROGRAM);
+  await checkResult('passed');
+  expect(await file()).toBe('other.toml, not on the server: Unsaved changes');
+  // Ctrl+S downloads the changed text.
+  const [program] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('Control+s')]);
+  expect([program.suggestedFilename(), (await bytesOf(program)).toString('utf8')]).toEqual(['other.program', SHORT_PROGRAM]);
+  expect(await file()).toBe('other.toml, not on the server');
+  const [cell] = await Promise.all([page.waitForEvent('download'), page.getByTestId('cell-download').click()]);
+  expect([cell.suggestedFilename(), (await bytesOf(cell)).toString('utf8')]).toEqual(['other.toml', other]);
+  // Undo returns to the files of the server with their unsaved changes.
+  const undo = page.getByRole('button', { name: 'Undo' });
+  await undo.click();
+  await until('the program is empty again', async () => (await text()).trim() === '');
+  await undo.click();
+  await until('the file of the server is shown', async () => (await file()) === 'mine.toml: Unsaved changes');
+  expect(await text()).toContain('# mine');
+  await page.getByRole('button', { name: 'Redo' }).click();
+  await until('the other cell is shown again', async () => (await file()).startsWith('other.toml, not on the server'));
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-server-cell').click();
+  await until('the file of the server is loaded', async () => (await file()) === 'mine.toml');
+  expect(saves).toEqual([]);
+  expect([readFileSync(fixture.cellFile, 'utf8'), readFileSync(fixture.programFile, 'utf8')]).toEqual([EXAMPLE_CELL, SHORT_PROGRAM]);
+  await checkResult('passed');
+  await append('# saved\n');
+  await page.keyboard.press('Control+s');
+  await until('it is saved', async () => readFileSync(fixture.programFile, 'utf8') === `${SHORT_PROGRAM}# saved\n`);
+  expect(readFileSync(fixture.cellFile, 'utf8')).toBe(EXAMPLE_CELL);
+});
+
+test('the draft of the files of the server remains while another cell is open', async () => {
+  await append('# draft\n');
+  await checkResult('passed');
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-file').setInputFiles({ name: 'other.toml', mimeType: 'text/plain', buffer: Buffer.from(EXAMPLE_CELL) });
+  await page.getByTestId('cell-download').waitFor();
+  await editor().click();
+  await page.keyboard.insertText('HOME\n');
+  await until('it is edited', async () => (await page.getByTestId('cell-file').innerText()).includes('Unsaved'));
+  await checkResult('passed');
+  page.once('dialog', (dialog) => void dialog.accept());
+  await reload(page);
+  await checkResult('passed');
+  await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
+  expect(await page.getByTestId('cell-file').innerText()).toBe('mine.toml: Unsaved changes');
+  expect(await text()).toContain('# draft');
 });
 
 test('the list of shortcuts is that of the current view', async () => {

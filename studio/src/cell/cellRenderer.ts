@@ -21,10 +21,11 @@ import {
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import type { StationDocument } from '../api/client';
 import type { Frame } from '../lib/kinematics';
-import { slotNames } from '../lib/slots';
+import { partKey, partTitle, type CellParts, type Part, type PartKind, type Slot } from '../lib/parts';
 import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
 import type { Label, Overlay } from '../scene/labels';
+import { sceneParts } from './sceneParts';
 import { SECTION_AXES, type PointOfPart, type Section } from './viewTools.svelte';
 import { SceneRenderer, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
@@ -34,11 +35,13 @@ const VIOLATION_COLORS = { checked: [0xd62f1f, 0x8a1208], outdated: [0x8a9099, 0
 
 export interface CellRendererEvents extends RendererEvents {
   /** A part was clicked, at a point that moves with it; `null` for the background. */
-  picked: (name: string | null, point: PointOfPart | null) => void;
+  picked: (part: Part | null, point: PointOfPart | null) => void;
   /** A cell was loaded, with the corners of the box around it [m]. */
   loaded: (extent: [number[], number[]]) => void;
 }
 
+/** Kinds of the parts that take part in the check of collisions and zones, which names them without their kinds. */
+const CHECKED_KINDS: readonly PartKind[] = ['body', 'wafer', 'zone'];
 /** Layer of hidden parts. */
 const HIDDEN_LAYER = 31;
 /** Radius of the drag handles of a station before scaling, and their largest size on the screen [px]. */
@@ -58,18 +61,22 @@ export class CellRenderer extends SceneRenderer {
   #materials = new Map<Mesh, Material | Material[]>();
   /** Stationary bodies that may be between the viewer and the robot, with their extents. */
   #walls: { mesh: Mesh; box: Box3 }[] = [];
-  /** Moving parts by name. */
-  #frames = new Map<string, Object3D>();
+  /** The part that each mesh shows. */
+  #shows: ReadonlyMap<Object3D, Part> = new Map();
+  /** Moving frames, by the names with which the server sends their poses. */
+  #frames: ReadonlyMap<string, Object3D> = new Map();
+  /** The object at the origin of each part, by its key. */
+  #objects: ReadonlyMap<string, Object3D> = new Map();
   /** Slots and bodies of each station, by its name. */
   #stationParts = new Map<string, Object3D[]>();
   /** Poses of the frames with the robot at home. */
   #home: Frame[] = [];
   /** Slot of each wafer that rests in one, by name. */
-  #restingWafers: ReadonlyMap<string, string> = new Map();
+  #restingWafers: ReadonlyMap<string, Slot> = new Map();
   #stations: { name: string; position: Vector3 }[] = [];
   #displayedFrames: readonly Frame[] | null = null;
   /** Preview of a dragged station: the parts that move with it. */
-  #preview: { station: string; slots: Set<string>; group: Group } | null = null;
+  #preview: { station: string; group: Group } | null = null;
   readonly #path = lineSegments(0xc2410c);
   readonly #measure = lineSegments(0x7c3aed);
   readonly #nearest = lineSegments(0xb3261e);
@@ -77,7 +84,7 @@ export class CellRenderer extends SceneRenderer {
   #measured: Vector3[] = [];
   #measuredText = '';
   #hidden: ReadonlySet<string> = new Set();
-  #followed: string | null = null;
+  #followed: Part | null = null;
   #followedAt: Vector3 | null = null;
   #loads = 0;
   readonly #around = new Box3();
@@ -128,21 +135,35 @@ export class CellRenderer extends SceneRenderer {
   }
 
   #partsWith(highlight: Material): string[] {
-    return [...new Set([...this.#materials.keys()].filter(({ material }) => material === highlight).map((mesh) => nameOf(mesh)))];
+    return this.#titles(({ material }) => material === highlight);
+  }
+
+  /** Names of the parts whose meshes satisfy a condition. */
+  #titles(holds: (mesh: Mesh) => boolean): string[] {
+    return [...new Set([...this.#materials.keys()].filter(holds).flatMap((mesh) => this.#shows.get(mesh) ?? []).map(partTitle))];
+  }
+
+  /** Keys of all parts. */
+  get parts(): ReadonlySet<string> {
+    return new Set([...this.#shows.values()].map(partKey));
   }
 
   /** Names of all parts. */
-  get parts(): string[] {
-    return [...new Set([...this.#materials.keys()].map((mesh) => nameOf(mesh)))];
+  get partTitles(): string[] {
+    return this.#titles(() => true);
   }
 
   /** Displays another cell; the camera does not move. */
-  async load(file: ArrayBuffer, stations: { name: string; position_mm: number[] }[]): Promise<void> {
+  async load(file: ArrayBuffer, stations: { name: string; position_mm: number[] }[], bodies: CellParts['bodies']): Promise<void> {
     const load = ++this.#loads;
     const { scene } = await new GLTFLoader().parseAsync(file, '');
     if (load !== this.#loads) return;
     const first = this.#cell === null;
     this.#clear();
+    const { meshes, frames, objects } = sceneParts(scene, bodies);
+    this.#shows = meshes;
+    this.#frames = frames;
+    this.#objects = objects;
     // glTF has y up.
     scene.rotation.x = Math.PI / 2;
     scene.traverse((part) => {
@@ -153,9 +174,6 @@ export class CellRenderer extends SceneRenderer {
         this.#materials.set(part, part.material as Material);
         if (part.material === this.#look.body) this.#walls.push({ mesh: part, box: new Box3() });
       }
-      const { name } = part.userData as { name?: string };
-      // A body may have the name of its frame, which comes first.
-      if (name && !this.#frames.has(name)) this.#frames.set(name, part);
       const { station } = part.userData as { station?: string };
       if (station) this.#stationParts.set(station, [...(this.#stationParts.get(station) ?? []), part]);
     });
@@ -175,7 +193,7 @@ export class CellRenderer extends SceneRenderer {
   }
 
   /** Moves the frames to their poses and assigns resting wafers to slots; without frames, the robot is at home. */
-  place(frames: readonly Frame[] | null, restingWafers: ReadonlyMap<string, string>): void {
+  place(frames: readonly Frame[] | null, restingWafers: ReadonlyMap<string, Slot>): void {
     this.#displayedFrames = frames;
     this.#restingWafers = restingWafers;
     for (const { name, origin_m, quaternion } of frames ?? this.#home) {
@@ -188,15 +206,18 @@ export class CellRenderer extends SceneRenderer {
     this.partsMoved();
   }
 
-  /** Origin of a frame in the base frame [m]. */
+  /** Origin of a frame, or of a part with this name, in the base frame [m]. */
   origin(name: string): number[] | null {
-    const part = this.#frames.get(name);
-    if (!part) return null;
-    this.#cell?.updateMatrixWorld(true);
-    return part.getWorldPosition(new Vector3()).toArray();
+    const part = this.#frames.get(name) ?? [...this.#shows].find(([, shown]) => partTitle(shown) === name)?.[0];
+    return part ? this.#originOf(part).toArray() : null;
   }
 
-  /** Highlights parts by name: those in violation and the selected ones. */
+  #originOf(part: Object3D): Vector3 {
+    this.#cell?.updateMatrixWorld(true);
+    return part.getWorldPosition(new Vector3());
+  }
+
+  /** Highlights parts: those in violation, by the names that the check reports, and the selected ones, by their keys. */
   highlight(violating: ReadonlySet<string>, selected: ReadonlySet<string>): void {
     this.#highlighted = { violating, selected };
     this.#highlight();
@@ -267,7 +288,7 @@ export class CellRenderer extends SceneRenderer {
       this.clearPreview();
       const group = new Group();
       this.#baseFrame?.add(group);
-      this.#preview = { station: from.name, slots: new Set(slotNames(from)), group };
+      this.#preview = { station: from.name, group };
       for (const part of this.#stationParts.get(from.name) ?? []) this.#attach(part, true);
       this.#attachWafers();
     }
@@ -300,10 +321,9 @@ export class CellRenderer extends SceneRenderer {
   /** Attaches the wafers that rest in the previewed station to it. */
   #attachWafers(): void {
     if (!this.#preview) return;
-    const { slots } = this.#preview;
     for (const [name, slot] of this.#restingWafers) {
       const part = this.#frames.get(name);
-      if (part) this.#attach(part, slots.has(slot));
+      if (part) this.#attach(part, slot.station === this.#preview.station);
     }
   }
 
@@ -317,9 +337,9 @@ export class CellRenderer extends SceneRenderer {
   #highlight(): void {
     const { violating, selected } = this.#highlighted;
     for (const [mesh, own] of this.#materials) {
-      const name = nameOf(mesh);
-      const frame = (mesh.parent?.userData as { name?: string } | undefined)?.name ?? '';
-      mesh.material = violating.has(name) ? this.#violating : selected.has(name) || selected.has(frame) ? this.#selected : own;
+      const part = this.#shows.get(mesh);
+      const isViolating = part !== undefined && CHECKED_KINDS.includes(part.kind) && violating.has(part.name);
+      mesh.material = isViolating ? this.#violating : part && selected.has(partKey(part)) ? this.#selected : own;
     }
   }
 
@@ -327,7 +347,9 @@ export class CellRenderer extends SceneRenderer {
     this.#look.clear();
     this.#walls = [];
     this.#materials = new Map();
+    this.#shows = new Map();
     this.#frames = new Map();
+    this.#objects = new Map();
     this.#stationParts = new Map();
     this.#preview = null;
     if (this.#cell) this.scene.remove(this.#cell);
@@ -375,17 +397,20 @@ export class CellRenderer extends SceneRenderer {
 
   // Tools of the view
 
-  /** Hides parts by name. */
+  /** Hides parts by their keys. */
   hide(hidden: ReadonlySet<string>): void {
     this.#hidden = hidden;
     // The layer also hides the part from the pointer.
-    for (const mesh of this.#materials.keys()) mesh.layers.set(hidden.has(nameOf(mesh)) ? HIDDEN_LAYER : 0);
+    for (const mesh of this.#materials.keys()) {
+      const part = this.#shows.get(mesh);
+      mesh.layers.set(part && hidden.has(partKey(part)) ? HIDDEN_LAYER : 0);
+    }
     this.partsMoved();
   }
 
   /** Names of the parts that are drawn. */
   get shownParts(): string[] {
-    return [...new Set([...this.#materials.keys()].filter(({ layers }) => layers.isEnabled(0)).map((mesh) => nameOf(mesh)))];
+    return this.#titles(({ layers }) => layers.isEnabled(0));
   }
 
   /** Cuts the view by a plane; `null` for none. */
@@ -397,9 +422,9 @@ export class CellRenderer extends SceneRenderer {
   }
 
   /** Moves the camera along with a part; `null` for none. */
-  follow(name: string | null): void {
-    this.#followed = name;
-    this.#followedAt = name === null ? null : this.#place(name);
+  follow(part: Part | null): void {
+    this.#followed = part;
+    this.#followedAt = part === null ? null : this.#place(part);
   }
 
   #moveCameraAlong(): void {
@@ -414,12 +439,10 @@ export class CellRenderer extends SceneRenderer {
     this.#followedAt = now;
   }
 
-  /** Position of a named part in the base frame [m]. */
-  #place(name: string): Vector3 | null {
-    const part = this.#frames.get(name);
-    if (!part) return null;
-    this.#cell?.updateMatrixWorld(true);
-    return part.getWorldPosition(new Vector3());
+  /** Position of a part in the base frame [m]. */
+  #place(part: Part): Vector3 | null {
+    const object = this.#objects.get(partKey(part));
+    return object ? this.#originOf(object) : null;
   }
 
   /** Draws a path: pairs of points [m]. */
@@ -465,7 +488,7 @@ export class CellRenderer extends SceneRenderer {
     const { object } = hit;
     const local = object.worldToLocal(hit.point.clone());
     const point = () => (this.#materials.has(object as Mesh) ? object.localToWorld(local.clone()).toArray() : null);
-    this.#events.picked(nameOf(object), point);
+    this.#events.picked(this.#shows.get(object) ?? null, point);
   }
 }
 
@@ -481,16 +504,6 @@ function lineSegments(color: number): LineSegments<BufferGeometry, LineBasicMate
   lines.visible = false;
   lines.frustumCulled = false;
   return lines;
-}
-
-/** Name of a part in the document of the server; the loader replaces some characters of node names. */
-function nameOf(part: Object3D): string {
-  for (let at: Object3D | null = part; at; at = at.parent) {
-    const name = (at.userData as { name?: string }).name;
-    // All wafers share one mesh; the frame identifies the wafer.
-    if (name && name !== 'wafer') return name;
-  }
-  return '';
 }
 
 /** The frame of a station in the base frame [m]: rotated by its heading, then tilted. */

@@ -17,7 +17,7 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'Program', keys: ['End'], description: 'end of the program', run: () => session.seek(session.duration) },
   { group: 'Program', keys: ['l'], description: 'loop on or off', run: () => (session.loop = !session.loop) },
   ...SCENE_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => session.view?.showView(view) })),
-  { group: 'View', keys: ['h'], description: 'hide or show the selected part', run: () => session.selected !== null && session.tools.toggleHidden(session.highlighted) },
+  { group: 'View', keys: ['h'], description: 'hide or show the selected part', run: () => session.toggleHidden() },
   { group: 'View', keys: ['i'], description: 'isolate the selected part, or show all parts', run: () => session.isolate() },
   { group: 'View', keys: ['f'], description: 'follow the selected part, or stop following', run: () => (session.tools.followed = session.tools.followed === null ? session.selected : null) },
   { group: 'View', keys: ['m'], description: 'measure the distance of two clicked points', run: () => session.tools.setMeasuring(!session.tools.measuring) },
@@ -31,7 +31,7 @@ export const CELL_SHORTCUTS: ShortcutSheet = {
   view: 'cell view',
   shortcuts: SHORTCUTS,
   control: [
-    { keys: ['Ctrl', 'S'], description: 'save, also in the editor' },
+    { keys: ['Ctrl', 'S'], description: 'save, also in the editor; of a cell that is not on the server, download the changed texts' },
     { keys: ['Ctrl', 'Z'], description: 'undo' },
     { keys: ['Ctrl', 'Shift', 'Z'], description: 'redo' },
     { keys: ['Esc', 'Tab'], description: 'leave the editor' },

@@ -3,7 +3,7 @@
 import * as api from '../api/client';
 import { ApiError, type ControllerDocument, type HostDocument } from '../api/client';
 import type { Frame } from '../lib/kinematics';
-import { slotName } from '../lib/slots';
+import type { Slot } from '../lib/parts';
 
 /** Interval between requests while the robot moves, while it is at rest, and while the page is hidden [ms]. */
 const MOVING_MS = 40;
@@ -22,7 +22,7 @@ export class ControllerMonitor {
   shown = $state(true);
   readonly frames: readonly Frame[] | null = $derived(this.shown ? (this.host?.frames ?? null) : null);
   /** Slots of the resting wafers. */
-  readonly restingWafers: ReadonlyMap<string, string> = $derived(new Map((this.host?.resting ?? []).map(({ wafer, station, slot }) => [wafer, slotName(station, slot)])));
+  readonly restingWafers: ReadonlyMap<string, Slot> = $derived(new Map((this.host?.resting ?? []).map(({ wafer, station, slot }) => [wafer, { station, slot }])));
   #timer: ReturnType<typeof setTimeout> | undefined;
   #isOpen = false;
   #listed_ms = -Infinity;

@@ -6,7 +6,7 @@ import { connection } from '../api/connection.svelte';
 import { readDrafts, removeDraft, removeOlderDraft, storeDraft, type Draft } from '../lib/draft';
 import { toCellHash, type CellLink, type CellTab } from '../lib/cellLink';
 import { History } from '../lib/history';
-import { slotNames, stationOf } from '../lib/slots';
+import { keysOfPart, stationOfPart, type Part } from '../lib/parts';
 import { CONTACT_FIELD, contactNoteLine, type ContactRequest } from './contactNote';
 import { ControllerMonitor } from './controllerMonitor.svelte';
 import { JogController } from './jogController.svelte';
@@ -14,6 +14,7 @@ import { TextChanges } from './textChanges.svelte';
 import { UnknownPlan, Timeline } from './timeline.svelte';
 import { ViewTools } from './viewTools.svelte';
 import type { SceneView } from '../scene/standardViews';
+import { download } from '../state/export';
 import type { PicturedView } from '../state/picture';
 import type { RecordedView } from '../state/recorder.svelte';
 
@@ -21,8 +22,8 @@ import type { RecordedView } from '../state/recorder.svelte';
 export interface CellSceneView extends PicturedView, RecordedView {
   showView(view: SceneView): void;
   cameraPose: { eye: number[]; target: number[] };
-  /** Names of all parts. */
-  readonly parts: string[];
+  /** Keys of all parts. */
+  readonly parts: ReadonlySet<string>;
 }
 
 interface Texts {
@@ -30,10 +31,18 @@ interface Texts {
   program: string;
 }
 
-/** State that undo restores: the texts, and the taught points of planes with too few points [m], by station. */
+/** A cell file that was opened in this browser: the server has no file of it. */
+interface OpenedCell {
+  readonly name: string;
+  readonly texts: Texts;
+}
+
+/** State that undo restores: the texts, the taught points of planes with too few points [m], by station, and the file of the texts. */
 interface Work {
   texts: Texts;
   points: Record<string, number[][]>;
+  /** `null` for the files of the server. */
+  opened: OpenedCell | null;
 }
 
 /** Minimum number of points that define a plane. */
@@ -48,9 +57,17 @@ export const MIN_RANGE_S = 0.05;
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
 export class WorkcellSession {
-  file = $state<string | null>(null);
   texts = $state.raw<Texts>({ cell: '', program: '' });
-  saved = $state.raw<Texts>({ cell: '', program: '' });
+  /** The cell file that was opened in this browser; `null` for the files of the server. */
+  opened = $state.raw<OpenedCell | null>(null);
+  /** Files of the server: name of the cell file, `null` for the example, and the texts as last loaded or saved. */
+  #server = $state.raw<{ file: string | null; saved: Texts }>({ file: null, saved: this.texts });
+  /** The last downloaded texts of an opened cell. */
+  #downloaded = $state.raw<{ of: OpenedCell; texts: Texts } | null>(null);
+  /** Name of the cell file; `null` for the example. */
+  file = $derived(this.opened ? this.opened.name : this.#server.file);
+  /** The texts as last loaded, opened, saved or downloaded. */
+  saved = $derived(this.opened === null ? this.#server.saved : this.#downloaded?.of === this.opened ? this.#downloaded.texts : this.opened.texts);
   plan = $state.raw<PlanDocument | null>(null);
   /** Reserved words of the program language. */
   keywords: readonly string[] = [];
@@ -58,6 +75,8 @@ export class WorkcellSession {
   dialects = $state.raw<readonly string[]>([]);
   /** The stations of the last valid cell; errors in their values can be fixed in the panel. */
   stations = $state.raw<StationDocument[]>([]);
+  /** The bodies of the last valid cell. */
+  bodies = $state.raw<PlanDocument['bodies']>([]);
   /** The cell with the robot at home, as glTF. */
   sceneFile = $state.raw<ArrayBuffer | null>(null);
   /** The motion of the plan, as far as it has been loaded. */
@@ -102,27 +121,11 @@ export class WorkcellSession {
   playing = $state(false);
   loop = $state(true);
   speed = $state(1);
-  /** Name of the selected part or station. */
-  selected = $state<string | null>(null);
+  selected = $state.raw<Part | null>(null);
   /** The selected station, or the station of the selected slot. */
-  station = $derived(stationOf(this.stations, this.selected));
-  /** Names of all parts of the selection. */
-  highlighted = $derived.by(() => this.partsOf(this.selected));
-
-  /** Names of all parts of a named part: slots of a station, links of an arm. */
-  partsOf(selected: string | null): ReadonlySet<string> {
-    if (selected === null) return new Set();
-    const station = this.stations.find(({ name }) => name === selected);
-    const named = station ? slotNames(station) : [];
-    const robot = this.plan?.robot;
-    const whole = robot?.name === selected;
-    for (const { name, links, effectors } of robot?.arms ?? []) {
-      if (whole || name === selected) named.push(...links);
-      else if (effectors.includes(selected)) named.push(...links.slice(-1));
-    }
-    if (whole) named.push('platform', ...robot!.axes.slice(0, 3).map(({ name }) => name));
-    return new Set([selected, ...named]);
-  }
+  station = $derived(stationOfPart(this.selected, this.stations));
+  /** Keys of the selected part and of all parts that belong to it. */
+  highlighted = $derived(keysOfPart(this.selected, { stations: this.stations, bodies: this.bodies, robot: this.plan?.robot ?? null }));
   /** The pending request to teach a station in contact. */
   #contact = $state.raw<ContactRequest | null>(null);
   /** The pending request to teach in contact, while text and pose are those that were checked. */
@@ -162,7 +165,7 @@ export class WorkcellSession {
   /** Whether the motion at the current time is still loading. */
   loading = $derived(this.duration > 0 && this.motionState === null);
 
-  #history = new History<Work>({ texts: this.texts, points: {} });
+  #history = new History<Work>({ texts: this.texts, points: {}, opened: null });
   #version: string | null = null;
   /** Key of the displayed 3D scene. */
   #scene: string | null = null;
@@ -181,14 +184,14 @@ export class WorkcellSession {
       const { file, identity, cell, program, version, keywords, dialects } = await api.cell();
       if (this.state !== 'starting') return;
       this.state = 'planning';
-      this.file = file;
       this.#identity = identity;
       this.#version = version;
       this.keywords = keywords;
       this.dialects = dialects;
-      this.texts = this.saved = { cell, program };
+      this.texts = { cell, program };
+      this.#server = { file, saved: this.texts };
       this.points = {};
-      this.#history = new History({ texts: this.texts, points: this.points });
+      this.#history = new History(this.#work);
       this.#restoreDraft();
       this.#updateHistory();
       await this.replan();
@@ -216,9 +219,10 @@ export class WorkcellSession {
 
   // Drafts
 
-  /** Stores unsaved changes in the browser. */
+  /** Stores unsaved changes of the files of the server in the browser. */
   #store(): void {
-    if (this.#identity === '' || this.#version === null) return;
+    // The draft of the files of the server remains while another cell is open.
+    if (this.#identity === '' || this.#version === null || this.opened !== null) return;
     const { texts, points } = this;
     if (this.changed || Object.keys(points).length > 0)
       storeDraft(this.#identity, { ...texts, points, version: this.#version, stored_ms: Date.now() });
@@ -234,7 +238,7 @@ export class WorkcellSession {
   #takeDraft(draft: Draft): void {
     this.texts = { cell: draft.cell, program: draft.program };
     this.points = draft.points;
-    this.#history.commit({ texts: this.texts, points: this.points });
+    this.#history.commit(this.#work);
     this.draft = { restored: true, draft };
   }
 
@@ -268,9 +272,14 @@ export class WorkcellSession {
   /** Completes an edit: adds it to the undo history and plans it. */
   commit(): void {
     clearTimeout(this.#timer);
-    if (this.#history.commit({ texts: this.texts, points: this.points })) this.#updateHistory();
+    if (this.#history.commit(this.#work)) this.#updateHistory();
     this.#store();
     void this.replan();
+  }
+
+  get #work(): Work {
+    const { texts, points, opened } = this;
+    return { texts, points, opened };
   }
 
   /** Shows a line of a text in its editor. */
@@ -302,7 +311,7 @@ export class WorkcellSession {
   #completeEdit(): void {
     if (this.texts.cell === this.#history.present.texts.cell && this.texts.program === this.#history.present.texts.program) return;
     clearTimeout(this.#timer);
-    if (this.#history.commit({ texts: this.texts, points: this.points })) this.#updateHistory();
+    if (this.#history.commit(this.#work)) this.#updateHistory();
   }
 
   redo(): void {
@@ -311,8 +320,10 @@ export class WorkcellSession {
 
   #restore(work: Work | undefined): void {
     if (!work) return;
+    if (work.opened !== this.opened) this.#leaveCell();
     this.texts = work.texts;
     this.points = work.points;
+    this.opened = work.opened;
     this.#updateHistory();
     this.#store();
     void this.replan();
@@ -337,7 +348,10 @@ export class WorkcellSession {
       this.#upToDate = true;
       // A removed input field does not report the end of typing.
       if (!(document.activeElement instanceof HTMLInputElement)) this.typing = false;
-      if (plan.stations.length > 0) this.stations = plan.stations;
+      if (plan.stations.length > 0) {
+        this.stations = plan.stations;
+        this.bodies = plan.bodies;
+      }
       this.draggedStation = null;
       this.took_ms = performance.now() - start;
       if (this.time > this.duration) this.time = this.duration;
@@ -381,7 +395,7 @@ export class WorkcellSession {
           ({ cell, name } = await api.changeEntry(before, change, signal));
         } while (this.texts.cell !== before);
         this.texts = { ...this.texts, cell };
-        this.select(name);
+        this.select(name === null ? null : { kind: change.list, name });
         this.commit();
       } catch (error) {
         if (error instanceof ConnectionError) this.notice = 'The cell was not changed: the server does not respond.';
@@ -480,15 +494,59 @@ export class WorkcellSession {
     }
   }
 
-  /** Saves both texts; files that have changed on disk are overwritten only with `replace`. */
+  // Files
+
+  /** Opens a cell file of this browser, with an empty program; undo returns to the previous texts. */
+  async open(name: string, cell: string): Promise<void> {
+    await this.start();
+    if (this.state === 'starting') throw new Error(`${name} was not opened: the cell of the server is not loaded`);
+    await this.#changes.finished;
+    this.#completeEdit();
+    this.#store();
+    this.#leaveCell();
+    this.texts = { cell, program: '' };
+    this.points = {};
+    this.opened = { name, texts: this.texts };
+    this.commit();
+  }
+
+  /** Resets what belongs to the files that are no longer shown. */
+  #leaveCell(): void {
+    this.pause();
+    this.seek(0);
+    this.range = null;
+    this.selected = null;
+    this.instruction = null;
+    this.draft = null;
+    this.diskConflict = false;
+    this.notice = null;
+    this.#contact = null;
+    this.tools.leaveCell();
+  }
+
+  /** Downloads one of the texts of an opened cell. */
+  download(kind: keyof Texts): void {
+    const { opened, texts, saved } = this;
+    if (!opened) return;
+    const stem = opened.name.replace(/\.[^.]*$/, '') || 'cell';
+    if (kind === 'cell') download(new Blob([texts.cell], { type: 'application/toml' }), `${stem}.toml`);
+    else download(new Blob([texts.program], { type: 'text/plain' }), `${stem}.program`);
+    this.#downloaded = { of: opened, texts: { ...saved, [kind]: texts[kind] } };
+  }
+
+  /** Saves both texts; files that have changed on disk are overwritten only with `replace`. Changed texts of an opened cell are downloaded. */
   async save(replace = false): Promise<void> {
     await this.#changes.finished;
+    if (this.opened) {
+      for (const kind of ['cell', 'program'] as const) if (this.texts[kind] !== this.saved[kind]) this.download(kind);
+      return;
+    }
     if (!this.changed && !replace) return;
     const { texts } = this;
     try {
       const { cell, program, version } = await api.saveCell(texts, replace ? null : this.#version);
       this.#version = version;
-      this.saved = { cell, program };
+      this.#server = { ...this.#server, saved: { cell, program } };
       this.notice = null;
       this.draft = null;
       this.diskConflict = false;
@@ -500,14 +558,21 @@ export class WorkcellSession {
     }
   }
 
-  /** Reloads the files from disk; undo returns to the previous texts. */
+  /** Shows the files of the server, loaded from disk again; undo returns to the previous texts. */
   async reload(): Promise<void> {
     try {
       const { cell, program, version } = await api.cell();
+      this.#completeEdit();
+      if (this.opened) {
+        this.#leaveCell();
+        this.points = {};
+      }
       this.#version = version;
       this.diskConflict = false;
       this.draft = null;
-      this.saved = this.texts = { cell, program };
+      this.opened = null;
+      this.texts = { cell, program };
+      this.#server = { ...this.#server, saved: this.texts };
       this.commit();
     } catch (error) {
       if (error instanceof ConnectionError) this.notice = 'The files were not reloaded: the server does not respond.';
@@ -521,8 +586,24 @@ export class WorkcellSession {
     else if (this.selected !== null) this.tools.isolate(this.highlighted, this.view?.parts ?? []);
   }
 
-  select(name: string | null): void {
-    this.selected = name;
+  /** Keys of the selected parts that are drawn. */
+  get #drawn(): string[] {
+    const drawn = this.view?.parts;
+    return [...this.highlighted].filter((key) => drawn?.has(key) ?? true);
+  }
+
+  /** Whether the selected part is hidden. */
+  get isHidden(): boolean {
+    return this.tools.isHidden(this.#drawn);
+  }
+
+  /** Hides the selected part, or shows it again. */
+  toggleHidden(): void {
+    if (this.selected !== null) this.tools.toggleHidden(this.#drawn);
+  }
+
+  select(part: Part | null): void {
+    this.selected = part;
   }
 
   // Links
@@ -538,7 +619,7 @@ export class WorkcellSession {
   }
 
   /** Takes over the state of a link, once the motion is planned. */
-  open({ cell, time, tab, instruction, selected, range, play, camera }: CellLink): void {
+  openLink({ cell, time, tab, instruction, selected, range, play, camera }: CellLink): void {
     if (cell !== this.#name) this.notice = `This link was created with another cell, “${cell}”. Its time and selection may not apply to this cell.`;
     this.pause();
     this.tab = tab;

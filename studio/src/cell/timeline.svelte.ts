@@ -3,7 +3,7 @@
 import * as api from '../api/client';
 import { ApiError, type PlanDocument } from '../api/client';
 import { frames, type Frame, type Names } from '../lib/kinematics';
-import { slotName } from '../lib/slots';
+import type { Slot } from '../lib/parts';
 import { MotionWindow, type WaferPlacement, type Step } from '../lib/motion';
 
 /** State of the motion at one time. */
@@ -141,15 +141,15 @@ export class Timeline {
   }
 
   /** Poses of all frames at a time [s], and the slots of resting wafers; `null` while they are loading. */
-  pose(time: number): { frames: Frame[]; restingWafers: Map<string, string> } | null {
+  pose(time: number): { frames: Frame[]; restingWafers: Map<string, Slot> } | null {
     const { plan } = this;
     const moment = this.stateAt(time);
     if (!plan?.chain || !plan.robot || !moment) return null;
     const names: Names = { axes: plan.robot.axes.map(({ name }) => name), links: plan.robot.arms.map(({ links }) => links), wafers: plan.wafers.map(({ name }) => name) };
     const held = moment.window.held(plan.wafers.map(({ held }, wafer) => ({ wafer, ...held }) as WaferPlacement), moment.index);
-    const restingWafers = new Map<string, string>();
+    const restingWafers = new Map<string, Slot>();
     held.forEach(({ slot }, k) => {
-      if (slot) restingWafers.set(names.wafers[k]!, slotName(plan.stations[slot[0]]!.name, slot[1]));
+      if (slot) restingWafers.set(names.wafers[k]!, { station: plan.stations[slot[0]]!.name, slot: slot[1] });
     });
     return { frames: frames(plan.chain, names, moment.window.values(moment.index, moment.since), held), restingWafers };
   }

@@ -1,5 +1,7 @@
 // Tools of the 3D view of a cell: play scale, hidden parts, section plane, followed part, path of a wafer, measuring.
 
+import type { Part } from '../lib/parts';
+
 export const SECTION_AXES = ['x', 'y', 'z'] as const;
 export type SectionAxis = (typeof SECTION_AXES)[number];
 
@@ -25,11 +27,11 @@ interface ClickedPoint {
 export class ViewTools {
   /** Factor by which the picture enlarges the play of the platform. */
   playScale = $state(1);
-  /** Names of the hidden parts. */
+  /** Keys of the hidden parts. */
   hidden = $state.raw<ReadonlySet<string>>(new Set());
   section = $state.raw<Section | null>(null);
-  /** Name of the part that the camera follows. */
-  followed = $state<string | null>(null);
+  /** The part that the camera follows. */
+  followed = $state.raw<Part | null>(null);
   /** Name of the wafer whose path is drawn. */
   traced = $state<string | null>(null);
   /** Whether the minimum distance in the shown pose is drawn as a line. */
@@ -50,28 +52,36 @@ export class ViewTools {
     return { length: Math.hypot(...by), by };
   });
 
-  isHidden(names: Iterable<string>): boolean {
-    return [...names].every((name) => this.hidden.has(name));
+  isHidden(keys: readonly string[]): boolean {
+    return keys.length > 0 && keys.every((key) => this.hidden.has(key));
   }
 
-  /** Hides the given parts, or shows them again. */
-  toggleHidden(names: Iterable<string>): void {
-    const parts = [...names];
-    const hide = !this.isHidden(parts);
+  /** Hides the parts with the given keys, or shows them again. */
+  toggleHidden(keys: readonly string[]): void {
+    const hide = !this.isHidden(keys);
     const hidden = new Set(this.hidden);
-    for (const name of parts) if (hide) hidden.add(name);
-    else hidden.delete(name);
+    for (const key of keys) if (hide) hidden.add(key);
+    else hidden.delete(key);
     this.hidden = hidden;
   }
 
-  /** Hides all parts but the given ones. */
-  isolate(names: Iterable<string>, all: Iterable<string>): void {
-    const shown = new Set(names);
-    this.hidden = new Set([...all].filter((name) => !shown.has(name)));
+  /** Hides all parts but those with the given keys. */
+  isolate(keys: ReadonlySet<string>, all: Iterable<string>): void {
+    this.hidden = new Set([...all].filter((key) => !keys.has(key)));
   }
 
   showAll(): void {
     this.hidden = new Set();
+  }
+
+  /** Resets the tools that refer to parts of a cell that is no longer shown. */
+  leaveCell(): void {
+    this.showAll();
+    this.setMeasuring(false);
+    this.followed = null;
+    this.traced = null;
+    this.pair = null;
+    this.teaching = null;
   }
 
   /** Adds a clicked point; a third one begins another measurement. */

@@ -55,8 +55,18 @@ export interface Document {
   exaggeration: number;
   shown: Shown;
   motion: Motion | null;
-  /** Text of the robot file; `null` until it is loaded. Links do not contain it. */
-  robotText: string | null;
+  /** The robot file; `null` until it is loaded. Links do not contain it. */
+  robotFile: RobotWork | null;
+}
+
+/** The text of a robot file, and what belongs to it. */
+export interface RobotWork {
+  name: string;
+  text: string;
+  /** Values of parameters in place of those of the text. */
+  parameters: Record<string, number>;
+  /** The text as it was opened in this browser; `null` for the file of the server. */
+  opened: string | null;
 }
 
 export const EXAGGERATION = { min: 1, max: 2000 } as const;
@@ -76,6 +86,6 @@ export function initialDocument(height_mm: number, tilt_max_deg = 1.5): Document
     exaggeration: 500,
     shown: { joints: true, ghost: false, others: false, arrows: true, frames: true, labels: true },
     motion: null,
-    robotText: null,
+    robotFile: null,
   };
 }

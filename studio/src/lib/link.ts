@@ -79,7 +79,7 @@ export function fromHash(hash: string, otherwise: Document): Linked {
         ? (Object.fromEntries(SHOWN.map((name) => [name, show.includes(name)])) as unknown as Shown)
         : otherwise.shown,
       motion,
-      robotText: otherwise.robotText,
+      robotFile: otherwise.robotFile,
     },
     view: parseView(words('view')),
     sample: motion && sample !== null && Number.isInteger(sample) && sample >= 0 ? sample : null,

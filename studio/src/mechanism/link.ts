@@ -1,7 +1,8 @@
 // Links to the view of mechanisms: mechanism, parameters, configuration, play scale, selection and camera.
 
 import { packText, toMechanismHash, unpackText, type MechanismLink } from '../lib/mechanismLink';
-import { MAX_TEXT_BYTES, mechanismSession as session } from './session.svelte';
+import { MAX_BODY_BYTES } from '../lib/requestSize';
+import { mechanismSession as session } from './session.svelte';
 
 /** Fragment of a URL that opens the view as it is; the text is part of it, unless it is that of an entry of the catalogue. */
 export async function mechanismHash(): Promise<string> {
@@ -24,7 +25,7 @@ export async function openMechanismLink({ name, packed, parameters, coordinates,
   let text = session.entries.find((entry) => entry.name === name)?.text ?? null;
   if (packed !== null)
     try {
-      text = await unpackText(packed, MAX_TEXT_BYTES);
+      text = await unpackText(packed, MAX_BODY_BYTES);
     } catch {
       session.notice = 'The text of the link is damaged: copy the link again.';
       return;
@@ -35,7 +36,8 @@ export async function openMechanismLink({ name, packed, parameters, coordinates,
       session.notice = `The link refers to ${name}, which is not in the catalogue and not open: open the file first, then the link.`;
       return;
     }
-    await session.open(name, text);
+    // Parameters and configuration of the link belong to its text.
+    if (!(await session.open(name, text))) return;
   }
   await session.arrange(parameters, coordinates, play);
   session.tab = tab;

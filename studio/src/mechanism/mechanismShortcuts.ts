@@ -13,7 +13,7 @@ export const camera: { showView: ((view: SceneView) => void) | null } = { showVi
 
 const SHORTCUTS: Shortcut[] = [
   { group: 'Mechanism', keys: ['h'], description: 'home: closed from the guess of the file', run: () => mechanismSession.home() },
-  { group: 'Mechanism', keys: ['w'], description: 'wiggle the freedoms, or stop', run: () => (mechanismSession.animated === null ? void mechanismSession.computeMotions() : (mechanismSession.animated = null)) },
+  { group: 'Mechanism', keys: ['w'], description: 'animate instantaneous motions, or stop', run: () => (mechanismSession.animated === null ? void mechanismSession.computeMotions() : (mechanismSession.animated = null)) },
   { group: 'Mechanism', keys: ['c'], description: 'reference: compare with the shown state', run: () => comparison.take() },
   { group: 'Mechanism', keys: ['b'], description: 'reference overlaid, side by side or not drawn', run: () => comparison.setDisplay(nextDisplay(comparison.display)) },
   { group: 'Mechanism', keys: ['Escape'], description: 'end the selection and the animation', run: () => { mechanismSession.selected = null; mechanismSession.redundant = null; mechanismSession.animated = null; } },

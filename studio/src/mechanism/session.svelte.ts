@@ -6,6 +6,7 @@ import { connection } from '../api/connection.svelte';
 import { History } from '../lib/history';
 import type { CameraPose } from '../lib/hashParts';
 import type { MechanismLink, MechanismTab } from '../lib/mechanismLink';
+import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
 import { shownNumber } from '../lib/shownNumber';
 import type { PicturedView } from '../state/picture';
 import type { RecordedView } from '../state/recorder.svelte';
@@ -14,8 +15,9 @@ import type { RecordedView } from '../state/recorder.svelte';
 const TYPING_PAUSE_MS = 350;
 /** Pause in a motion after which the mobility is computed [ms]. */
 const SETTLED_MS = 150;
-/** Largest text that the server accepts in a request [bytes]. */
-export const MAX_TEXT_BYTES = 900_000;
+
+/** Remedy for a model that is too large. */
+const LARGER_MODEL = 'Use `jointplay import` for a larger model.';
 
 /** The edited text, and what belongs to it. */
 interface Work {
@@ -111,7 +113,7 @@ class MechanismSession {
   refused = $state.raw<Record<string, string>>({});
   notice = $state<string | null>(null);
   /** Text of a file of another kind that another view shows. */
-  otherView = $state.raw<{ kind: 'cell'; text: string } | null>(null);
+  otherView = $state.raw<{ kind: 'cell'; name: string; text: string } | null>(null);
   diskConflict = $state(false);
   moving = $state(false);
   reading = $state(false);
@@ -196,8 +198,8 @@ class MechanismSession {
     this.diskConflict = false;
     try {
       const { name, text, loops, writable, version } = await api.mechanismFile();
-      this.#version = version;
-      await this.open(name, text, loops ?? null, writable);
+      // The next save compares the file on disk with the version of the shown text.
+      if (await this.open(name, text, loops ?? null, writable)) this.#version = version;
     } catch (error) {
       if (error instanceof ConnectionError) this.#started = false;
       this.failed(error);
@@ -206,8 +208,8 @@ class MechanismSession {
 
   // Opening
 
-  /** Opens a text; the previous one is restored by undo. */
-  async open(name: string, text: string, loops: string | null = null, ofServer = false): Promise<void> {
+  /** Opens a text; the previous one is restored by undo. Returns whether the text is open, with or without errors in it. */
+  async open(name: string, text: string, loops: string | null = null, ofServer = false): Promise<boolean> {
     this.#abort?.abort();
     const abort = new AbortController();
     this.#abort = abort;
@@ -216,17 +218,23 @@ class MechanismSession {
     this.playScale = 1;
     this.reading = true;
     try {
-      const opened = await api.openMechanism(loops === null ? { text } : { text, loops }, null, 1, abort.signal);
-      if (abort.signal.aborted) return;
+      const source = loops === null ? { text } : { text, loops };
+      const large = sizeProblem(name, source);
+      if (large) {
+        this.notice = `${large} ${LARGER_MODEL}`;
+        return false;
+      }
+      const opened = await api.openMechanism(source, null, 1, abort.signal);
+      if (abort.signal.aborted) return false;
       const { kind, diagnostics, mechanism } = opened;
       if (!mechanism && diagnostics.length === 0) {
         this.notice = `${name}: ${opened.note ?? ''}`;
-        if (kind === 'cell') this.otherView = { kind, text };
-        return;
+        if (kind === 'cell') this.otherView = { kind, name, text };
+        return false;
       }
       if (loops !== null && diagnostics.some(({ in_loops }) => in_loops)) {
         this.notice = `The file of loops has errors: ${diagnostics.map(({ line, message }) => `line ${line}: ${message}`).join('; ')}`;
-        return;
+        return false;
       }
       this.#model = kind === 'model' ? { name, text } : null;
       const title = kind === 'model' || kind === 'three_rods' ? name.replace(/\.\w+$/, '') + '.toml' : name;
@@ -239,8 +247,10 @@ class MechanismSession {
       this.selected = null;
       this.#take(opened, true, 1);
       this.tab = diagnostics.length > 0 ? 'text' : 'tree';
+      return true;
     } catch (error) {
       this.failed(error);
+      return false;
     } finally {
       if (this.#abort === abort) this.reading = false;
     }
@@ -248,9 +258,9 @@ class MechanismSession {
 
   /** Opens files that were chosen or dropped: a file, or a model with the file that closes its loops. */
   async openFiles(files: readonly File[]): Promise<void> {
-    const large = files.find(({ size }) => size > MAX_TEXT_BYTES);
+    const large = files.map(fileSizeProblem).find((problem) => problem !== null);
     if (large) {
-      this.notice = `${large.name} has ${(large.size / 1e6).toFixed(1)} MB; the studio opens texts of up to ${MAX_TEXT_BYTES / 1e6} MB. Use \`jointplay import\` for a larger model.`;
+      this.notice = `${large} ${LARGER_MODEL}`;
       return;
     }
     if (files.length > 2) {
@@ -388,7 +398,7 @@ class MechanismSession {
       const { version } = await api.saveMechanism(text, overwrite ? null : this.#version);
       this.#version = version;
       this.diskConflict = false;
-      this.work = { ...this.work, saved: text };
+      if (this.work.ofServer) this.work = { ...this.work, saved: text };
     } catch (error) {
       if (error instanceof api.ApiError && error.field === 'replaces') this.diskConflict = true;
       else if (error instanceof ConnectionError) this.notice = 'The text was not saved: the server does not respond. Save again after reconnection.';

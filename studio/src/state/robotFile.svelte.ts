@@ -3,6 +3,7 @@
 import * as api from '../api/client';
 import { ApiError, ConnectionError, type DimensionChange, type OpenedRobotDocument, type RobotDocument, type RobotSource } from '../api/client';
 import { connection } from '../api/connection.svelte';
+import type { RobotWork } from '../lib/document';
 
 /** Pause in typing after which a text is read [ms]. */
 const TYPING_PAUSE_MS = 350;
@@ -11,20 +12,24 @@ const TYPING_PAUSE_MS = 350;
 export interface RobotFileEvents {
   /** The text describes another robot than the one shown. */
   opened: (robot: RobotDocument) => void;
-  /** A change of the text is complete: an undo step. */
-  committed: () => void;
+  /** A change of the text is complete: an undo step, once all requests have been answered. */
+  committed: () => Promise<void>;
 }
 
 export class RobotFile {
   name = $state('');
-  /** Whether it is a file of the server that can be saved. */
-  writable = $state(false);
   /** The text; `null` until it is loaded. */
   text = $state.raw<string | null>(null);
-  /** The text as last loaded or saved. */
-  saved = $state.raw<string | null>(null);
-  /** Values of parameters with which the server was started. */
+  /** Values of parameters in place of those of the text: those with which the server was started. */
   parameters = $state.raw<Record<string, number>>({});
+  /** The text as it was opened in this browser; `null` for the file of the server. */
+  openedText = $state.raw<string | null>(null);
+  /** The file of the server: whether it can be saved, and its text as last loaded or saved. */
+  #server = $state.raw<{ writable: boolean; saved: string | null }>({ writable: false, saved: null });
+  /** Whether it is a file of the server that can be saved. */
+  writable = $derived(this.openedText === null && this.#server.writable);
+  /** The text as last loaded, opened or saved. */
+  saved = $derived(this.openedText ?? this.#server.saved);
   /** The answer to the last text that was read. */
   opened = $state.raw<OpenedRobotDocument | null>(null);
   /** The last text without errors, for requests; `null` for the robot of the server. */
@@ -42,8 +47,10 @@ export class RobotFile {
   #version: string | null = null;
   #loading: Promise<void> | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
-  /** Changes that are not sent yet, by number; only the newest value of each counts. */
+  /** Changes that the server has not made yet, by number; only the newest value of each counts. */
   #changes = new Map<string, DimensionChange>();
+  /** Whether changes wait for the reconnection: they are then an undo step. */
+  #waiting = false;
   #readAgain = false;
   #work: Promise<void> | null = null;
 
@@ -53,7 +60,7 @@ export class RobotFile {
       if (this.text !== null) this.#read();
     });
     window.addEventListener('beforeunload', (event) => {
-      if (this.changed) event.preventDefault();
+      if (this.changed || this.#changes.size > 0) event.preventDefault();
     });
   }
 
@@ -65,14 +72,32 @@ export class RobotFile {
     return this.#loading;
   }
 
-  /** Loads the text from the server again. */
+  /** The text with what belongs to it, for undo; `null` until it is loaded. */
+  get work(): RobotWork | null {
+    const { name, text, parameters, openedText } = this;
+    return text === null ? null : { name, text, parameters, opened: openedText };
+  }
+
+  /** Shows another text; changes of the previous one are dropped. */
+  #show({ name, text, parameters, opened }: RobotWork): void {
+    clearTimeout(this.#timer);
+    this.#typing = false;
+    this.cancelChanges();
+    Object.assign(this, { name, text, parameters, openedText: opened, diskConflict: false, notice: null });
+    this.#read();
+  }
+
+  /** Loads the text from the server again; undo returns to the previous one. */
   async reload(): Promise<void> {
     try {
       const { name, text, writable, version, parameters } = await api.robotFile();
-      Object.assign(this, { name, writable, text, saved: text, parameters, diskConflict: false, notice: null });
+      const isFirst = this.text === null;
+      if (!isFirst) await this.#completeEdits();
       this.#version = version;
-      this.#read();
+      this.#server = { writable, saved: text };
+      this.#show({ name, text, parameters, opened: null });
       await this.settled();
+      if (!isFirst) void this.#events.committed();
     } catch (error) {
       this.#failed(error);
     }
@@ -93,11 +118,15 @@ export class RobotFile {
   async open(name: string, text: string): Promise<void> {
     // So that undo restores the robot of the server.
     await this.start();
-    clearTimeout(this.#timer);
-    this.#typing = false;
-    Object.assign(this, { name, writable: false, text, saved: text, parameters: {}, diskConflict: false, notice: null });
-    this.#read();
-    this.#events.committed();
+    await this.#completeEdits();
+    this.#show({ name, text, parameters: {}, opened: text });
+    void this.#events.committed();
+  }
+
+  /** Adds edits in progress to the undo history. */
+  async #completeEdits(): Promise<void> {
+    if (this.#typing) this.#typed();
+    await this.#events.committed();
   }
 
   /** Changes the text while the user types. */
@@ -112,16 +141,20 @@ export class RobotFile {
     clearTimeout(this.#timer);
     this.#typing = false;
     this.#read();
-    this.#events.committed();
+    void this.#events.committed();
   }
 
-  /** Replaces the text, by undo. */
-  restore(text: string): void {
-    clearTimeout(this.#timer);
-    this.#typing = false;
-    if (text === this.text) return;
-    this.text = text;
-    this.#read();
+  /** Returns to a text with what belongs to it, by undo. */
+  restore(work: RobotWork): void {
+    if (JSON.stringify(work) !== JSON.stringify(this.work)) this.#show(work);
+  }
+
+  /** Drops the changes that the server has not made yet; returns whether there were any. */
+  cancelChanges(): boolean {
+    const pending = this.#changes.size > 0;
+    this.#changes.clear();
+    this.#waiting = false;
+    return pending;
   }
 
   /** Replaces numbers in the text; comments remain. */
@@ -149,12 +182,17 @@ export class RobotFile {
       while (this.#readAgain && this.text !== null) {
         this.#readAgain = false;
         const { text, parameters } = this;
-        const changes = [...this.#changes.values()];
-        this.#changes.clear();
+        const changes = [...this.#changes];
+        const taken = () => changes.forEach(([key, change]) => this.#changes.get(key) === change && this.#changes.delete(key));
         try {
-          const opened = await api.openRobot({ text, parameters }, changes);
-          // A text typed in the meantime is read next, without the changes of this one.
+          const opened = await api.openRobot({ text, parameters }, changes.map(([, change]) => change));
+          // A text typed in the meantime is read next, with the same changes.
           if (this.text !== text) continue;
+          taken();
+          if (this.#waiting && this.#changes.size === 0) {
+            this.#waiting = false;
+            void this.#events.committed();
+          }
           this.text = opened.text;
           this.opened = opened;
           this.notice = null;
@@ -162,8 +200,13 @@ export class RobotFile {
           this.source = { text: opened.text, parameters };
           this.#events.opened(opened.robot);
         } catch (error) {
+          if (error instanceof ConnectionError) {
+            // The changes remain until the server responds again.
+            this.#waiting = this.#changes.size > 0;
+            return;
+          }
+          taken();
           this.#failed(error);
-          if (error instanceof ConnectionError) return;
         }
       }
     } finally {
@@ -177,11 +220,12 @@ export class RobotFile {
     if (this.#typing) this.#typed();
     await this.settled();
     const { text } = this;
-    if (text === null) return;
+    if (text === null || this.openedText !== null) return;
     try {
       const { version } = await api.saveRobot(text, overwrite ? null : this.#version);
       this.#version = version;
-      Object.assign(this, { saved: text, diskConflict: false, notice: null });
+      this.#server = { ...this.#server, saved: text };
+      Object.assign(this, { diskConflict: false, notice: null });
     } catch (error) {
       if (error instanceof ApiError && error.field === 'replaces') this.diskConflict = true;
       else if (error instanceof ConnectionError) this.notice = 'The robot was not saved: the server does not respond. Save again after reconnection.';

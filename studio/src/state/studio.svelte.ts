@@ -85,7 +85,7 @@ export class Studio {
   readView: (() => View) | null = null;
   readonly study = new Study();
   readonly comparison = new Comparison();
-  readonly file = new RobotFile({ opened: (robot) => this.#showRobot(robot), committed: () => void this.commit() });
+  readonly file = new RobotFile({ opened: (robot) => this.#showRobot(robot), committed: () => this.commit() });
   readonly player = new Player(this.study, { show: (command) => this.showSample(command), stopped: () => this.rememberLink() });
 
   #history = new History<Document>(this.document);
@@ -162,7 +162,7 @@ export class Studio {
       hash = load(this.#linkKey, '', (value) => typeof value === 'string');
     }
     const empty = this.robot ? initialDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : initialDocument(500);
-    const initial = { ...empty, robotText: this.document.robotText };
+    const initial = { ...empty, robotFile: this.document.robotFile };
     const { robot, document, view, sample } = fromHash(hash, initial);
     const own = this.#identity;
     this.foreignRobot = robot && own && robot.print !== own.print ? robot.name : null;
@@ -186,14 +186,17 @@ export class Studio {
   commit(): Promise<void> {
     return this.#enqueueStep(() => {
       // A text with errors describes no robot, and is a step all the same.
-      if (this.document.robotText !== null) this.document = { ...this.document, robotText: this.file.text };
+      if (this.document.robotFile !== null) this.document = { ...this.document, robotFile: this.file.work };
       if (this.#history.commit(this.document)) this.#updateHistory();
       this.rememberLink();
     });
   }
 
   undo(): Promise<void> {
-    return this.#enqueueStep(() => this.#restore(this.#history.undo()));
+    return this.#enqueueStep(() => {
+      // Changes that wait for the server are no step yet.
+      if (!this.file.cancelChanges()) this.#restore(this.#history.undo());
+    });
   }
 
   redo(): Promise<void> {
@@ -213,7 +216,7 @@ export class Studio {
     this.notice = null;
     this.player.detach();
     this.#updateHistory();
-    if (document.robotText !== null && document.robotText !== before.robotText) this.file.restore(document.robotText);
+    if (document.robotFile !== null) this.file.restore(document.robotFile);
     this.#requestPose(document.command);
     this.#updateStudy(before);
     this.rememberLink();
@@ -222,12 +225,12 @@ export class Studio {
   /** Shows the robot of an edited text, at the nearest pose within its limits. */
   #showRobot(robot: RobotDocument): void {
     const before = { print: this.#identity?.print, robot: JSON.stringify(this.robot) };
-    const { text } = this.file;
-    if (this.document.robotText === null) {
+    const { work } = this.file;
+    if (this.document.robotFile === null) {
       // The loaded text is no change.
-      this.document = { ...this.document, robotText: text };
+      this.document = { ...this.document, robotFile: work };
       this.#history.replace(this.document);
-    } else this.document = { ...this.document, robotText: text };
+    } else this.document = { ...this.document, robotFile: work };
     this.robot = robot;
     if (before.robot === JSON.stringify(robot)) return;
     if (this.player.sample === null) this.#requestPose(this.document.command, 'slide');

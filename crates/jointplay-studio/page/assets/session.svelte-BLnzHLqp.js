@@ -1,1 +1,0 @@
-export{n as mechanismSession}from"./session.svelte-CwJJoXx1.js";

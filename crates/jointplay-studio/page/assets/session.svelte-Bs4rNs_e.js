@@ -1,1 +1,0 @@
-export{i as session}from"./session.svelte-0qfFyU1Q.js";
