@@ -1,11 +1,11 @@
 //! The three-rod robot, many poses at a time.
 
-use jointplay::bulk::{Column, Quantity, Status};
+use jointplay::bulk::{Column, PoseSolver, Quantity, Status};
 use jointplay::gpr::Gpr;
 use jointplay::nalgebra::{Rotation3, Translation3, Vector3};
 use jointplay::spatial::{Pose, Tilt};
 use jointplay::study::parallel::{self, PoseColumns};
-use jointplay::virtualization::{Planar, Polar, Radial, SolveOptions, Solver, Virtualization};
+use jointplay::virtualization::{BuiltIn, Solver, Virtualization};
 
 use crate::gpr;
 use crate::work::Work;
@@ -23,13 +23,15 @@ pub(crate) fn named(what: &str, rest: &[&str]) -> Option<Box<dyn Work>> {
     };
     let (newton, closed) = (Solver::Newton, Solver::ClosedForm);
     Some(match what {
-        "joints" => Box::new(Forward::new(Polar, newton, &RESIDUAL, copies, shared)),
-        "pose" => Box::new(Forward::new(Polar, newton, &POSE, copies, shared)),
-        "least" => Box::new(Forward::new(Polar, Solver::LeastNorm, &RESIDUAL, copies, shared)),
-        "planar" => Box::new(Forward::new(Planar, closed, &[], copies, shared)),
-        "planar-pose" => Box::new(Forward::new(Planar, closed, &POSE, copies, shared)),
-        "radial" => Box::new(Forward::new(Radial, closed, &[], copies, shared)),
-        "radial-pose" => Box::new(Forward::new(Radial, closed, &POSE, copies, shared)),
+        "joints" => Box::new(Forward::new(BuiltIn::Polar, newton, &RESIDUAL, copies, shared)),
+        "pose" => Box::new(Forward::new(BuiltIn::Polar, newton, &POSE, copies, shared)),
+        "least" => {
+            Box::new(Forward::new(BuiltIn::Polar, Solver::LeastNorm, &RESIDUAL, copies, shared))
+        }
+        "planar" => Box::new(Forward::new(BuiltIn::Planar, closed, &[], copies, shared)),
+        "planar-pose" => Box::new(Forward::new(BuiltIn::Planar, closed, &POSE, copies, shared)),
+        "radial" => Box::new(Forward::new(BuiltIn::Radial, closed, &[], copies, shared)),
+        "radial-pose" => Box::new(Forward::new(BuiltIn::Radial, closed, &POSE, copies, shared)),
         "inverse" => Box::new(Inverse::new(copies, shared)),
         _ => return None,
     })
@@ -48,10 +50,10 @@ const POSE: [Quantity; 8] = [
 ];
 
 /// Columns of rods, and columns of what is wanted of them: X, and what else.
-struct Forward<V> {
+struct Forward {
     gpr: Gpr,
-    virtualization: V,
-    options: SolveOptions,
+    solver: PoseSolver,
+    virtualization: &'static dyn Virtualization,
     rods: [Vec<f64>; 3],
     wanted: Vec<Quantity>,
     columns: Vec<Vec<f64>>,
@@ -59,9 +61,9 @@ struct Forward<V> {
     shared: bool,
 }
 
-impl<V: Virtualization> Forward<V> {
+impl Forward {
     fn new(
-        virtualization: V,
+        virtualization: BuiltIn,
         solver: Solver,
         more: &[Quantity],
         copies: usize,
@@ -69,12 +71,14 @@ impl<V: Virtualization> Forward<V> {
     ) -> Self {
         let gpr = gpr::robot();
         let options = gpr::options(&gpr, solver);
+        let solver = PoseSolver::new(&gpr, virtualization, &options).expect("the metric is valid");
+        let virtualization = virtualization.model();
         let rods = columns(&gpr::rods(), copies);
         let joints = (0..virtualization.joints().len()).map(Quantity::VirtualJoint);
         let wanted: Vec<Quantity> = joints.chain(more.iter().copied()).collect();
         let columns = vec![vec![0.0; rods[0].len()]; wanted.len()];
         let status = vec![Status::Solved; rods[0].len()];
-        Self { gpr, virtualization, options, rods, wanted, columns, status, shared }
+        Self { gpr, solver, virtualization, rods, wanted, columns, status, shared }
     }
 
     /// A pose and its virtual joints as those of the polar model: where the sockets are is what programs can be compared by.
@@ -101,7 +105,7 @@ impl<V: Virtualization> Forward<V> {
     }
 }
 
-impl<V: Virtualization + Sync> Work for Forward<V> {
+impl Work for Forward {
     fn solve(&mut self) -> usize {
         self.first(self.status.len())
     }
@@ -115,18 +119,17 @@ impl<V: Virtualization + Sync> Work for Forward<V> {
     }
 }
 
-impl<V: Virtualization + Sync> Forward<V> {
+impl Forward {
     /// Solves the first so many poses; how many were solved.
     fn first(&mut self, poses: usize) -> usize {
         let rods = [0, 1, 2].map(|k| Column::from(&self.rods[k][..poses]));
         let columns = self.columns.iter_mut().map(|column| &mut column[..poses]);
         let mut wanted: Vec<_> = self.wanted.iter().copied().zip(columns).collect();
         let status = &mut self.status[..poses];
-        let (gpr, virtualization, options) = (&self.gpr, &self.virtualization, &self.options);
         let done = if self.shared {
-            parallel::forward_many(gpr, rods, virtualization, options, status, &mut wanted)
+            parallel::forward_many(&self.solver, rods, status, &mut wanted)
         } else {
-            gpr.forward_many(rods, virtualization, options, status, &mut wanted)
+            self.solver.forward_many(rods, status, &mut wanted)
         };
         done.map_or(0, |tally| tally.poses() - tally.failed())
     }

@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::fmt::Write as _;
 use std::hint::black_box;
 
+use jointplay::bulk::PoseSolver;
 use jointplay::format::{catalogue, mechanism as file, robot};
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::mechanism::{
@@ -12,7 +13,7 @@ use jointplay::mechanism::{
 };
 use jointplay::nalgebra::{DVector, Unit, Vector3};
 use jointplay::spatial::{Pose, Tilt};
-use jointplay::virtualization::{Metric, Polar, SolveOptions, Solver};
+use jointplay::virtualization::{BuiltIn, Metric, SolveOptions, Solver};
 
 use crate::work::Work;
 
@@ -79,6 +80,12 @@ pub(crate) fn options(gpr: &Gpr, solver: Solver) -> SolveOptions {
     }
 }
 
+/// The robot with polar virtual joints, prepared once.
+fn prepared(solver: Solver) -> PoseSolver {
+    let gpr = robot();
+    PoseSolver::new(&gpr, BuiltIn::Polar, &options(&gpr, solver)).expect("the metric is valid")
+}
+
 /// A pose and its virtual joints, as other programs report them too.
 pub(crate) type Answer = (Pose, [f64; 6]);
 
@@ -89,17 +96,14 @@ pub(crate) fn numbers((pose, virtual_joints): &Answer) -> Vec<f64> {
 
 /// The robot's own equations, pose by pose.
 pub(crate) struct Own {
-    gpr: Gpr,
+    solver: PoseSolver,
     rods: Vec<[f64; 3]>,
-    options: SolveOptions,
     answers: Vec<Option<Answer>>,
 }
 
 impl Own {
     pub(crate) fn new(solver: Solver) -> Self {
-        let gpr = robot();
-        let options = options(&gpr, solver);
-        Self { gpr, rods: rods(), options, answers: Vec::new() }
+        Self { solver: prepared(solver), rods: rods(), answers: Vec::new() }
     }
 }
 
@@ -107,7 +111,7 @@ impl Work for Own {
     fn solve(&mut self) -> usize {
         self.answers.clear();
         self.answers.extend(self.rods.iter().map(|&rods| {
-            let forward = self.gpr.forward(rods, &Polar, &self.options).ok()?;
+            let forward = self.solver.forward(rods).ok()?;
             let mut virtual_joints = [0.0; 6];
             virtual_joints.copy_from_slice(&forward.solution.virtual_joints);
             Some((forward.base_from_platform, virtual_joints))
@@ -118,7 +122,7 @@ impl Work for Own {
     fn call(&mut self, times: usize) -> Option<usize> {
         let waiting = Waiting::default();
         let solved = self.rods.iter().cycle().take(times).filter(|rods| {
-            let forward = self.gpr.forward(waiting.after(rods), &Polar, &self.options);
+            let forward = self.solver.forward(waiting.after(rods));
             forward.is_ok_and(|found| waiting.record(found.base_from_platform.translation.x))
         });
         Some(solved.count())
@@ -131,22 +135,19 @@ impl Work for Own {
 
 /// Its virtual joints alone, pose by pose, without placing the platform.
 pub(crate) struct JointsAlone {
-    gpr: Gpr,
+    solver: PoseSolver,
     rods: Vec<[f64; 3]>,
-    options: SolveOptions,
     answers: Vec<Option<[f64; 6]>>,
 }
 
 impl JointsAlone {
     pub(crate) fn new(solver: Solver) -> Self {
-        let gpr = robot();
-        let options = options(&gpr, solver);
-        Self { gpr, rods: rods(), options, answers: Vec::new() }
+        Self { solver: prepared(solver), rods: rods(), answers: Vec::new() }
     }
 
     #[inline]
     fn one(&self, rods: &[f64; 3]) -> Option<[f64; 6]> {
-        let found = self.gpr.virtual_joints(*rods, &Polar, &self.options).ok()?;
+        let found = self.solver.virtual_joints(*rods).ok()?;
         let mut virtual_joints = [0.0; 6];
         virtual_joints.copy_from_slice(&found.virtual_joints);
         Some(virtual_joints)

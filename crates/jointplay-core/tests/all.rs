@@ -16,6 +16,7 @@ mod mobility_of_mechanisms;
 mod mobility_of_small_systems;
 mod nearest;
 mod planar;
+mod pose_solver;
 mod positions;
 mod reach;
 mod robot;

@@ -1,10 +1,9 @@
 //! Many poses on all cores of the machine.
 
 use jointplay_core::Error;
-use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts, parts};
+use jointplay_core::bulk::{Column, PoseSolver, Quantity, Status, StatusCounts, parts};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::mechanism::{CommandedPositions, Mechanism, ReliefSolver};
-use jointplay_core::virtualization::{SolveOptions, Virtualization};
 use rayon::prelude::*;
 
 /// The most threads that work is spread over: more only cost memory.
@@ -52,17 +51,15 @@ pub fn inverse_many(
     )
 }
 
-/// [`Gpr::forward_many`] over the cores of the current thread pool.
+/// [`PoseSolver::forward_many`] over the cores of the current thread pool.
 ///
 /// Poses are independent of each other, so that the result is the same to the bit for any number of threads.
 ///
 /// # Errors
-/// As [`Gpr::forward_many`].
+/// As [`PoseSolver::forward_many`].
 pub fn forward_many(
-    gpr: &Gpr,
+    solver: &PoseSolver,
     rods: [Column<'_>; 3],
-    virtualization: &(dyn Virtualization + Sync),
-    options: &SolveOptions,
     status: &mut [Status],
     wanted: &mut [(Quantity, &mut [f64])],
 ) -> Result<StatusCounts, Error> {
@@ -70,7 +67,7 @@ pub fn forward_many(
     let columns = wanted.iter_mut().map(|(_, column)| &mut **column).collect();
     in_parts(rods, status, columns, |rods, status, columns| {
         let mut wanted: Vec<_> = quantities.iter().copied().zip(columns).collect();
-        gpr.forward_many(rods, virtualization, options, status, &mut wanted)
+        solver.forward_many(rods, status, &mut wanted)
     })
 }
 

@@ -1,9 +1,9 @@
 //! Results on many cores equal those on one.
 
 use jointplay_core::Error;
-use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts};
+use jointplay_core::bulk::{Column, PoseSolver, Quantity, Status, StatusCounts};
 use jointplay_core::gpr::Gpr;
-use jointplay_core::virtualization::{Polar, SolveOptions, Solver};
+use jointplay_core::virtualization::{BuiltIn, SolveOptions, Solver};
 use jointplay_study::parallel::{self, PoseColumns};
 
 /// More than two parts, the last of them neither full nor a whole number of lanes; one tilt in a thousand has no rods.
@@ -34,7 +34,8 @@ fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
         let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
         let wanted =
             &mut [(Quantity::VirtualJoint(4), &mut x[..]), (Quantity::Torsion, &mut torsion)];
-        parallel::forward_many(&gpr, given, &Polar, &options, &mut status, wanted).unwrap()
+        let solver = PoseSolver::new(&gpr, BuiltIn::Polar, &options).unwrap();
+        parallel::forward_many(&solver, given, &mut status, wanted).unwrap()
     });
     let [q_1, q_2, q_3] = rods;
     let bits =
@@ -55,15 +56,9 @@ fn the_same_bits_whatever_the_number_of_threads() {
 fn columns_of_different_lengths() {
     let (numbers, mut status) = (vec![0.5; POSES], vec![Status::Solved; POSES]);
     let given = [numbers[..].into(), numbers[1..].into(), numbers[..].into()];
-    let options = SolveOptions::default();
-    let found = parallel::forward_many(
-        &Gpr::paper().without_limit_checks(),
-        given,
-        &Polar,
-        &options,
-        &mut status,
-        &mut [],
-    );
+    let (gpr, options) = (Gpr::paper().without_limit_checks(), SolveOptions::default());
+    let solver = PoseSolver::new(&gpr, BuiltIn::Polar, &options).unwrap();
+    let found = parallel::forward_many(&solver, given, &mut status, &mut []);
     let expected =
         Error::LengthMismatch { what: "a column of rods", found: POSES - 1, expected: POSES };
     assert_eq!(found, Err(expected));

@@ -9,8 +9,9 @@ use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
 use crate::gpr::{Gpr, Limits, PlatformPose};
 use crate::kernel::{
-    self, Balls, ClosedForm, FirstStep, Found, Geometry, Lanes, LeastNorm, Mask, Method, Model,
-    Newton, Offset, Planar, Plane, PlatformPoses, Polar, Radial, Shape, Task, Three,
+    self, Balls, ByPolynomials, ClosedForm, FirstStep, Found, Geometry, JointPolynomials, Lanes,
+    LeastNorm, Mask, Method, Model, Newton, Offset, Order, Planar, Plane, PlatformPoses, Polar,
+    Radial, Shape, Task, Three,
 };
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
@@ -41,41 +42,50 @@ impl Gpr {
         status: &mut [Status],
         wanted: &mut [(Quantity, &mut [f64])],
     ) -> Result<StatusCounts, Error> {
-        let expected = status.len();
-        super::column::same_lengths(
-            expected,
-            rods.iter().map(|column| ("a column of rods", column.len())),
-        )?;
-        super::column::same_lengths(
-            expected,
-            wanted.iter().map(|(_, column)| ("a column of results", column.len())),
-        )?;
-        for (quantity, _) in &*wanted {
-            quantity.check(virtualization)?;
-        }
-        let mut work = Work { gpr: self, rods, virtualization, options, status, wanted };
-        match virtualization.as_built_in() {
-            Some(BuiltIn::Radial) => work.by_kernel::<Radial>(),
-            Some(BuiltIn::Polar) => work.by_kernel::<Polar>(),
-            Some(BuiltIn::Offset) => work.by_kernel::<Offset>(),
-            Some(BuiltIn::Planar) => work.by_kernel::<Planar>(),
-            None => work.one_by_one(0..expected),
-        }?;
-        Ok(StatusCounts::of(status))
+        Work { gpr: self, rods, virtualization, options, polynomials: None, status, wanted }.done()
     }
 }
 
 /// The work of one call.
-struct Work<'a, 'b> {
-    gpr: &'a Gpr,
-    rods: [Column<'a>; 3],
-    virtualization: &'a dyn Virtualization,
-    options: &'a SolveOptions,
-    status: &'a mut [Status],
-    wanted: &'a mut [(Quantity, &'b mut [f64])],
+pub(super) struct Work<'a, 'b> {
+    pub(super) gpr: &'a Gpr,
+    pub(super) rods: [Column<'a>; 3],
+    pub(super) virtualization: &'a dyn Virtualization,
+    pub(super) options: &'a SolveOptions,
+    /// The virtual joints as polynomials, where they were prepared.
+    pub(super) polynomials: Option<&'a JointPolynomials>,
+    pub(super) status: &'a mut [Status],
+    pub(super) wanted: &'a mut [(Quantity, &'b mut [f64])],
 }
 
 impl Work<'_, '_> {
+    /// Does the work.
+    ///
+    /// # Errors
+    /// Those of [`Gpr::forward_many`].
+    pub(super) fn done(mut self) -> Result<StatusCounts, Error> {
+        let expected = self.status.len();
+        super::column::same_lengths(
+            expected,
+            self.rods.iter().map(|column| ("a column of rods", column.len())),
+        )?;
+        super::column::same_lengths(
+            expected,
+            self.wanted.iter().map(|(_, column)| ("a column of results", column.len())),
+        )?;
+        for (quantity, _) in &*self.wanted {
+            quantity.check(self.virtualization)?;
+        }
+        match self.virtualization.as_built_in() {
+            Some(BuiltIn::Radial) => self.by_kernel::<Radial>(),
+            Some(BuiltIn::Polar) => self.by_kernel::<Polar>(),
+            Some(BuiltIn::Offset) => self.by_kernel::<Offset>(),
+            Some(BuiltIn::Planar) => self.by_kernel::<Planar>(),
+            None => self.one_by_one(0..expected),
+        }?;
+        Ok(StatusCounts::of(self.status))
+    }
+
     fn by_kernel<M: Model>(&mut self) -> Result<(), Error> {
         let platform = self.gpr.platform();
         let length = self.options.metric.characteristic_length(platform)?;
@@ -83,23 +93,24 @@ impl Work<'_, '_> {
         match FirstStep::new(platform, self.virtualization, length) {
             // The kernel always takes one step.
             Some(first_step) if self.options.max_iterations > 0 => {
-                let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
-                let task = Task { first_step: Some(&first_step), ..task };
+                let polynomials = self.polynomials;
+                let task = Task { first_step: Some(&first_step), polynomials, ..task };
                 match task.solver {
-                    Solver::Newton => self.by_method::<M, Newton>(task, limits),
-                    Solver::LeastNorm => self.by_method::<M, LeastNorm>(task, limits),
-                    Solver::ClosedForm => self.by_method::<M, ClosedForm>(task, limits),
+                    Solver::Newton => self.by_method::<M, Newton>(task),
+                    Solver::LeastNorm => match polynomials.map(JointPolynomials::order) {
+                        Some(Order::Three) => self.by_method::<M, ByPolynomials<3>>(task),
+                        Some(Order::Four) => self.by_method::<M, ByPolynomials<4>>(task),
+                        None => self.by_method::<M, LeastNorm>(task),
+                    },
+                    Solver::ClosedForm => self.by_method::<M, ClosedForm>(task),
                 }
             }
             _ => self.one_by_one(0..self.status.len()),
         }
     }
 
-    fn by_method<M: Model, W: Method>(
-        &mut self,
-        task: Task<'_>,
-        limits: Option<Within>,
-    ) -> Result<(), Error> {
+    fn by_method<M: Model, W: Method>(&mut self, task: Task<'_>) -> Result<(), Error> {
+        let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
         let kernel = PhantomData::<(M, W)>;
         let doubtful = Arch::new().dispatch(Blocks { work: &mut *self, task, limits, kernel });
         if doubtful { self.by_scalar_kernel() } else { Ok(()) }
@@ -460,6 +471,7 @@ mod tests {
             rods: rods.each_ref().map(|column| Column::from(&column[..])),
             virtualization,
             options,
+            polynomials: None,
             status: &mut status,
             wanted: &mut wanted,
         };

@@ -100,7 +100,7 @@ impl Gpr {
 
     /// Whether rods are numbers, and within the limits of a robot that checks them.
     #[inline]
-    fn check_rods(&self, rods: &[f64; 3]) -> Result<(), Error> {
+    pub(crate) fn check_rods(&self, rods: &[f64; 3]) -> Result<(), Error> {
         for &rod in rods {
             length("a rod length", rod)?;
         }
@@ -212,13 +212,10 @@ impl Gpr {
             #[inline(always)]
             || {
                 let task = Task::new::<M>(dimensions, options, characteristic_length);
-                let Some(found) = SinglePose::new::<M>(&task, rods) else {
-                    return self.general_pose(*rods, virtualization, options);
-                };
-                let sides = ball_sides(&self.ball_centers(rods));
-                let base_from_platform = found.base_from_platform;
-                let solution = solution(&task, characteristic_length, found.joints);
-                Ok(PlatformPose { rods: *rods, sides, solution, base_from_platform })
+                match SinglePose::new::<M>(&task, rods) {
+                    Some(found) => Ok(self.found_pose(*rods, &task, characteristic_length, found)),
+                    None => self.general_pose(*rods, virtualization, options),
+                }
             },
         )
     }
@@ -245,12 +242,32 @@ impl Gpr {
             },
         )
     }
+
+    /// A pose by the closed equations, with all that belongs to it.
+    #[cfg(feature = "std")]
+    #[inline(always)]
+    pub(crate) fn found_pose(
+        &self,
+        rods: [f64; 3],
+        task: &Task<'_>,
+        characteristic_length: f64,
+        found: SinglePose,
+    ) -> PlatformPose {
+        let sides = ball_sides(&self.ball_centers(&rods));
+        let base_from_platform = found.base_from_platform;
+        let solution = solution(task, characteristic_length, found.joints);
+        PlatformPose { rods, sides, solution, base_from_platform }
+    }
 }
 
 /// What was found, with the method.
 #[cfg(feature = "std")]
 #[inline(always)]
-fn solution(task: &Task<'_>, characteristic_length: f64, found: SingleJoints) -> Solution {
+pub(crate) fn solution(
+    task: &Task<'_>,
+    characteristic_length: f64,
+    found: SingleJoints,
+) -> Solution {
     Solution {
         virtual_joints: found.virtual_joints,
         solver: task.solver,

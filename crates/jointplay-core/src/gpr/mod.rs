@@ -33,6 +33,8 @@ mod to_mechanism;
 pub use approximate::ApproximatePose;
 pub use ball_clearance::BallClearance;
 pub use forward::PlatformPose;
+#[cfg(feature = "std")]
+pub(crate) use forward::solution;
 pub use geometry::{Gpr, Limb, ball_sides};
 pub use height::{AxisHeight, CenterHeight};
 pub use limits::{BrokenLimit, BrokenLimits, Limits};

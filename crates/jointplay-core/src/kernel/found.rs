@@ -36,6 +36,20 @@ impl<S: Simd> Found<S> {
     pub(crate) fn residual(&self, geometry: &Geometry, balls: &Balls<S>) -> Lanes<S> {
         balls.residual(geometry, &self.missing)
     }
+
+    /// These where the sides are met, else others.
+    #[inline(always)]
+    pub(super) fn or(self, other: &Self) -> Self {
+        let met = self.met;
+        Self {
+            a: either(met, self.a, other.a),
+            b: either(met, self.b, other.b),
+            area: met.select(self.area, other.area),
+            missing: either(met, self.missing, other.missing),
+            iterations: met.select(self.iterations, other.iterations),
+            met: met | other.met,
+        }
+    }
 }
 
 /// Three numbers, and zero where the sides are met already.
@@ -54,9 +68,13 @@ pub(super) fn unless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
 /// As [`unless`], without a branch.
 #[inline(always)]
 pub(super) fn unless_branchless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
-    let zero = numbers[0].like(0.0);
-    let [a, b, c] = numbers;
-    [met.select(zero, a), met.select(zero, b), met.select(zero, c)]
+    either(met, [numbers[0].like(0.0); 3], numbers)
+}
+
+/// These numbers where the mask is true, others elsewhere.
+#[inline(always)]
+fn either<S: Simd>(mask: Mask<S>, [a, b, c]: Three<S>, [d, e, f]: Three<S>) -> Three<S> {
+    [mask.select(a, d), mask.select(b, e), mask.select(c, f)]
 }
 
 /// ‖(a, b)‖² in the metric.

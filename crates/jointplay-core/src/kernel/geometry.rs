@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::joint_polynomials::JointPolynomials;
 use super::model::Model;
 use super::processor::Processor;
 use crate::linalg::least_norm_of_three;
@@ -94,6 +95,8 @@ pub(crate) struct Task<'a> {
     pub(crate) threshold: f64,
     /// The first step from nominal, where it pays to compute it once.
     pub(crate) first_step: Option<&'a FirstStep>,
+    /// The virtual joints as polynomials, where they were prepared.
+    pub(crate) polynomials: Option<&'a JointPolynomials>,
 }
 
 impl<'a> Task<'a> {
@@ -118,12 +121,13 @@ impl<'a> Task<'a> {
             compliance: if M::TURNS { 1.0 / weight } else { 1.0 },
             threshold: 4.0 * options.relative_threshold * options.relative_threshold,
             first_step: None,
+            polynomials: None,
         }
     }
 }
 
 /// The first step from nominal, which is the same linear map for all poses: joints by sides, per change of a squared side.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FirstStep(pub(super) [[f64; 3]; 6]);
 
 impl FirstStep {

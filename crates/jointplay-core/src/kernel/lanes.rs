@@ -86,6 +86,14 @@ impl<S: Simd> Lanes<S> {
         Self::of(self.simd, &numbers[..Self::COUNT])
     }
 
+    /// Compiles a function apart from its caller, for the same instructions: for rare cases, whose numbers would take registers from the others.
+    ///
+    /// What it calls has to be inlined, always.
+    #[inline(always)]
+    pub(crate) fn apart<T>(self, function: impl FnOnce() -> T) -> T {
+        self.simd.vectorize(function)
+    }
+
     /// `self · factor + addend`, rounded once on every processor: in software where it has no fused multiply-add.
     #[inline(always)]
     pub(crate) fn times_plus(self, factor: Self, addend: Self) -> Self {

@@ -2,8 +2,10 @@
 //!
 //! A kernel answers where the answer is beyond doubt; all else, errors included, is left to [`solve`](crate::virtualization::solve).
 
+mod by_polynomials;
 mod found;
 mod geometry;
+mod joint_polynomials;
 mod lanes;
 mod model;
 mod polar;
@@ -14,8 +16,10 @@ mod single;
 mod solve;
 mod trigonometry;
 
+pub(crate) use by_polynomials::ByPolynomials;
 pub(crate) use found::{Found, squared};
 pub(crate) use geometry::{FirstStep, Geometry, Task};
+pub(crate) use joint_polynomials::{JointPolynomials, Order};
 pub(crate) use lanes::{Lanes, MOST, Mask};
 pub(crate) use model::{Model, Offset, Planar, Polar, Radial};
 pub(crate) use pose::{Plane, PlatformPoses};

@@ -132,6 +132,24 @@ impl<S: Simd> Sockets<S> {
     }
 }
 
+/// Sockets at given coordinates, and where their sides are met; nowhere for large angles.
+#[inline(always)]
+pub(super) fn closed<S: Simd>(
+    task: &Task<'_>,
+    balls: &Balls<S>,
+    l: Three<S>,
+    phi: Three<S>,
+) -> Found<S> {
+    let zero = balls.mean.like(0.0);
+    let series = Series::of_small(&between(phi));
+    let mut sockets = Sockets { l, phi, ..Sockets::nominal(task.geometry, zero) };
+    sockets.turn(&series.sines, &series.versines);
+    let response = sockets.response();
+    let missing = sockets.missing(&response, balls);
+    let met = within(&missing, &balls.bounds(task.threshold)) & series.exact;
+    sockets.found(&response, missing, zero, met)
+}
+
 /// The step from nominal, by the matrix that all poses share or by itself.
 #[inline(always)]
 fn begin<S: Simd>(

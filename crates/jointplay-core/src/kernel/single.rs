@@ -50,7 +50,11 @@ impl Solved {
         let [a, b, c] = *rods;
         let rods = [Lanes::splat(Scalar, a), Lanes::splat(Scalar, b), Lanes::splat(Scalar, c)];
         let balls = Balls::new(geometry, rods);
-        let found = solved::<Scalar, M>(task, &balls);
+        // Nothing else is compiled with polynomials, whose numbers would be kept in memory for it.
+        let found = match task.polynomials {
+            Some(polynomials) => polynomials.found_by_order::<Scalar, M>(task, &balls),
+            None => solved::<Scalar, M>(task, &balls),
+        };
         let upright = balls.mean.like(0.0).below(found.area * geometry.base_area);
         // Steeper triangles are slender: round-off in their sides is large in their corners.
         let plane = Plane::new(geometry, &balls);

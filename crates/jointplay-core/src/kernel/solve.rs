@@ -211,8 +211,9 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     Found { met: found.met & within, ..found }
 }
 
+/// A triangle found without steps, and where its sides are met.
 #[inline(always)]
-fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
+pub(super) fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
     let missing = shape.missing(balls);
     let met = within(&missing, &balls.bounds(task.threshold));
     Found {

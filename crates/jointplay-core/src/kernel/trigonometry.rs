@@ -145,19 +145,21 @@ impl<S: Simd> Series<S> {
         Self { sines, versines, exact: a.max(b).max(c).at_most(a.like(1e-8)) }
     }
 
-    /// For angles below 1.4·10⁻³ (rad), by one term more.
+    /// For angles below 0.01 (rad), by two terms more.
     #[inline(always)]
     pub(crate) fn of_small(angles: &[Lanes<S>; 3]) -> Self {
         let squares = [angles[0].squared(), angles[1].squared(), angles[2].squared()];
         let (mut sines, mut versines) = (squares, squares);
         for k in 0..3 {
             let square = squares[k];
-            sines[k] = (angles[k] * (1.0 / 6.0)).times_from(square, angles[k]);
-            versines[k] = square * square.times_plus(square.like(-1.0 / 24.0), square.like(0.5));
+            let series = square.times_plus(square.like(1.0 / 120.0), square.like(-1.0 / 6.0));
+            sines[k] = (square * angles[k]).times_plus(series, angles[k]);
+            let series = square.times_plus(square.like(1.0 / 720.0), square.like(-1.0 / 24.0));
+            versines[k] = square * square.times_plus(series, square.like(0.5));
         }
         let [a, b, c] = squares;
-        // x⁵/120 is then below 5·10⁻¹⁷.
-        Self { sines, versines, exact: a.max(b).max(c).at_most(a.like(2e-6)) }
+        // x⁷/5040 is then below 2·10⁻¹⁸.
+        Self { sines, versines, exact: a.max(b).max(c).at_most(a.like(1e-4)) }
     }
 
     /// Sines and versines, by [`sin_cos_of_steps`] where the series are not exact.

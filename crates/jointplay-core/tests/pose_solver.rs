@@ -1,0 +1,130 @@
+//! Poses by prepared solvers equal those of the solver that they prepare.
+
+use std::f64::consts::TAU;
+
+use jointplay_core::bulk::{Column, PoseSolver, Quantity, Status};
+use jointplay_core::gpr::{AxisHeight, Gpr, Limb, Limits};
+use jointplay_core::nalgebra::Vector2;
+use jointplay_core::spatial::Tilt;
+use jointplay_core::virtualization::{BuiltIn, Metric, SolveOptions, Solver};
+use proptest::prelude::*;
+
+const MODELS: [BuiltIn; 4] = [BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Offset, BuiltIn::Planar];
+
+/// A robot whose sockets are up to 0.1 mm off their rods.
+fn robot(radii: [f64; 3], angles: [f64; 3], off: [f64; 6], tilt_max: f64) -> Gpr {
+    let limbs = [0, 1, 2].map(|k| {
+        let limb = Limb::under_socket(radii[k], TAU * k as f64 / 3.0 + angles[k]);
+        let base_point = limb.base_point + Vector2::new(off[2 * k], off[2 * k + 1]);
+        Limb { base_point, ..limb }
+    });
+    Gpr::new(limbs, Limits { rod_min: 0.1, rod_max: 0.9, tilt_max }, 0.5).unwrap()
+}
+
+fn options() -> impl Strategy<Value = SolveOptions> {
+    let solver =
+        prop_oneof![Just(Solver::Newton), Just(Solver::LeastNorm), Just(Solver::ClosedForm)];
+    let metric = prop_oneof![Just(Metric::Paper), Just(Metric::PlatformRadius)];
+    (solver, metric).prop_map(|(solver, metric)| SolveOptions {
+        solver,
+        metric,
+        ..SolveOptions::default()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn prepared_poses_are_those_of_the_robot(
+        radii in [0.05..0.2_f64, 0.05..0.2, 0.05..0.2],
+        angles in [-0.3..0.3_f64, -0.3..0.3, -0.3..0.3],
+        off in [-1e-4..1e-4_f64, -1e-4..1e-4, -1e-4..1e-4, -1e-4..1e-4, -1e-4..1e-4, -1e-4..1e-4],
+        tilt_max in 0.01..0.12_f64,
+        options in options(),
+        azimuths in proptest::collection::vec(0.0..TAU, 21),
+    ) {
+        let gpr = robot(radii, angles, off, tilt_max);
+        for model in MODELS {
+            let solver = PoseSolver::new(&gpr, model, &options).unwrap();
+            prop_assert!(solver.is_for(model, &options));
+            let tilts = azimuths.iter().enumerate().map(|(i, &azimuth)| Tilt {
+                azimuth,
+                angle: 0.99 * tilt_max * i as f64 / azimuths.len() as f64,
+            });
+            let rods: Vec<[f64; 3]> =
+                tilts.map(|tilt| gpr.inverse(tilt, AxisHeight(0.5)).unwrap()).collect();
+            let count = rods.len();
+            let columns: Vec<Vec<f64>> =
+                (0..3).map(|k| rods.iter().map(|rods| rods[k]).collect()).collect();
+            let mut status = vec![Status::NotFinite; count];
+            let joints = model.model().joints().len();
+            let mut many = vec![vec![0.0; count]; joints];
+            let mut wanted: Vec<_> = many
+                .iter_mut()
+                .enumerate()
+                .map(|(joint, column)| (Quantity::VirtualJoint(joint), &mut column[..]))
+                .collect();
+            let given = [0, 1, 2].map(|k| Column::from(&columns[k][..]));
+            solver.forward_many(given, &mut status, &mut wanted).unwrap();
+            for (i, &rods) in rods.iter().enumerate() {
+                match (gpr.forward(rods, model.model(), &options), solver.forward(rods)) {
+                    (Ok(expected), Ok(found)) => {
+                        prop_assert_eq!(status[i], Status::Solved);
+                        let (a, b) = (found.base_from_platform, expected.base_from_platform);
+                        let apart = (a.to_homogeneous() - b.to_homogeneous()).amax();
+                        prop_assert!(apart < 1e-12, "{:?} {}: {}", model, i, apart);
+                        let joints = solver.virtual_joints(rods).unwrap();
+                        prop_assert_eq!(&joints, &found.solution);
+                        for (joint, column) in many.iter().enumerate() {
+                            let expected = expected.solution.virtual_joints[joint];
+                            let weight = if joint < 3 { 1.0 } else { 0.1 };
+                            let apart = weight * (column[i] - expected).abs();
+                            prop_assert!(apart < 1e-13, "{:?} {} many: {}", model, i, apart);
+                            let apart = weight * (joints.virtual_joints[joint] - expected).abs();
+                            prop_assert!(apart < 1e-13, "{:?} {} one: {}", model, i, apart);
+                        }
+                    }
+                    (Err(expected), Err(found)) => {
+                        prop_assert_eq!(expected.to_string(), found.to_string());
+                        prop_assert!(status[i] != Status::Solved);
+                    }
+                    (expected, found) => prop_assert!(false, "{expected:?}, {found:?}"),
+                }
+            }
+        }
+    }
+}
+
+/// Beyond the tilts for which it is prepared, a solver computes as the robot does.
+#[test]
+fn steep_poses_are_those_of_the_robot_to_the_bit() {
+    let gpr = Gpr::paper().without_limit_checks();
+    let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
+    for model in MODELS {
+        let solver = PoseSolver::new(&gpr, model, &options).unwrap();
+        for azimuth in 0..12 {
+            let tilt = Tilt { azimuth: f64::from(azimuth), angle: 0.15 };
+            let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
+            assert_eq!(solver.forward(rods), gpr.forward(rods, model.model(), &options));
+        }
+    }
+}
+
+/// Near level, polynomials answer: without a step; the offset model does not converge to round-off, and has none.
+#[test]
+fn least_displacements_within_the_limits_take_no_step() {
+    let gpr = Gpr::paper();
+    let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
+    for model in [BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Planar] {
+        let solver = PoseSolver::new(&gpr, model, &options).unwrap();
+        for azimuth in 0..12 {
+            for share in [0.1, 0.5, 0.99] {
+                let angle = share * gpr.limits().tilt_max;
+                let tilt = Tilt { azimuth: f64::from(azimuth), angle };
+                let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
+                assert_eq!(solver.forward(rods).unwrap().solution.iterations, 0, "{model:?}");
+            }
+        }
+    }
+}
