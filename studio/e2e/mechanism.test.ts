@@ -187,11 +187,11 @@ test('files of all kinds are opened, or their kind is reported', async () => {
     const file = (name: string, content: string) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(content) });
     await input.setInputFiles(file('study.toml', 'kind = "study"\n'));
     await shows(page, 'mechanism-notice', 'This is a study');
-    await input.setInputFiles(file('big.urdf', `<robot name="a">${' '.repeat(1_000_000)}</robot>`));
-    await shows(page, 'mechanism-notice', '1.00 MB');
+    await input.setInputFiles(file('big.urdf', `<robot name="a">${' '.repeat(10_000_000)}</robot>`));
+    await shows(page, 'mechanism-notice', '10.00 MB');
     // Short as a file, and too long in a request.
-    await input.setInputFiles(file('lines.urdf', `<robot name="a">${'\n'.repeat(600_000)}</robot>`));
-    await shows(page, 'mechanism-notice', 'needs 1.20 MB in a request');
+    await input.setInputFiles(file('lines.urdf', `<robot name="a">${'\n'.repeat(6_000_000)}</robot>`));
+    await shows(page, 'mechanism-notice', 'needs 12.00 MB in a request');
     await input.setInputFiles(file('broken.toml', FOUR_BAR.slice(0, FOUR_BAR.length / 2)));
     await page.getByTestId('mechanism-diagnostics').waitFor();
     const urdf = '<robot name="arm"><link name="base"/><link name="a"/><link name="b"/><joint name="A" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint><joint name="B" type="prismatic"><parent link="a"/><child link="b"/><origin xyz="0.2 0 0"/><axis xyz="0 0 1"/><limit lower="0" upper="0.1" effort="1" velocity="1"/></joint></robot>';

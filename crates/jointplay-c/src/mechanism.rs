@@ -8,7 +8,7 @@ use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::{self, MechanismFile};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    CommandedPositions, FrameId, Kinematics, Mechanism, ReliefSolver, close_commanded,
+    CommandedPositions, FrameId, Kinematics, Mechanism, ReliefSolver, close_at_rest,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report;
@@ -39,7 +39,7 @@ struct Driven {
 
 impl Driven {
     fn new(mechanism: &Mechanism, drives: &[usize]) -> Result<Self, Failure> {
-        let home = close_commanded(mechanism, &[], None)?.coordinates;
+        let home = close_at_rest(mechanism, None)?.coordinates;
         let positions = CommandedPositions::new(mechanism, &home, drives)?;
         Ok(Self { home, positions })
     }

@@ -12,7 +12,8 @@ use jointplay::format::{robot, three_rods};
 use jointplay::interop::import;
 use jointplay::mechanism::{
     ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
-    close_commanded, close_sparse, commanded_guess, pose_commanded, relieve_commanded,
+    close_at_rest, close_commanded, close_sparse, commanded_guess, pose_commanded,
+    relieve_commanded,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -275,6 +276,14 @@ impl Input {
         let closed = close_commanded(&self.file.mechanism, commands, self.tolerance)
             .map_err(|error| self.unassembled(error))?;
         self.note_search(commands, &closed);
+        Ok(closed)
+    }
+
+    /// The configuration that displacements of virtual joints are counted from.
+    pub(crate) fn at_rest(&self) -> Result<Closure, Failure> {
+        let closed = close_at_rest(&self.file.mechanism, self.tolerance)
+            .map_err(|error| self.unassembled(error))?;
+        self.note_search(&[], &closed);
         Ok(closed)
     }
 

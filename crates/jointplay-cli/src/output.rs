@@ -1,7 +1,7 @@
 //! Text and JSON on standard output, and the formatting of numbers in text.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::io::{ErrorKind, Write};
 
 use clap::{Args, ValueEnum};
 use jointplay::format::number::{fixed, rounded};
@@ -55,9 +55,7 @@ pub(crate) fn text(text: &str) -> Result<(), Failure> {
         };
         written.expect("writing into memory does not fail");
     }
-    let mut stdout = anstream::stdout().lock();
-    stdout.write_all(shown.as_bytes())?;
-    Ok(stdout.flush()?)
+    all(anstream::stdout().lock(), &shown)
 }
 
 /// Prints a document as JSON.
@@ -72,9 +70,16 @@ pub(crate) fn to_json(document: &impl Serialize) -> String {
 
 /// Prints text without formatting.
 pub(crate) fn raw(text: &str) -> Result<(), Failure> {
-    let mut stdout = std::io::stdout().lock();
-    stdout.write_all(text.as_bytes())?;
-    Ok(stdout.flush()?)
+    all(std::io::stdout().lock(), text)
+}
+
+/// Writes all of a text, or as much of it as the reader wants: one that closes the pipe does not change the result of the command.
+fn all(mut stdout: impl Write, text: &str) -> Result<(), Failure> {
+    let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    match written {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written?),
+    }
 }
 
 /// Lists on standard error the elements of a model that were ignored.

@@ -12,8 +12,8 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// The last interval may be shorter than the others; there is one sample more than intervals.
 ///
 /// # Arguments
-/// * `duration` – time from the first sample to the last [s]
-/// * `rate` – number of samples a second [Hz]
+/// * `duration` – time from the first sample to the last (s)
+/// * `rate` – number of samples a second (Hz)
 ///
 /// # Numerics
 /// A time within a thousandth of an interval of the end is the end.

@@ -276,8 +276,9 @@ fn read(top: &Table, has_kind: bool) -> Option<Robot> {
         let span = tables.get(3).or(tables.last()).map_or(0..0, |table| table.span.clone());
         reader.report(span, Problem::LimbCount { found: tables.len() });
     }
+    let ball_clearance = ball_clearance(top);
     let limbs: [Limb; 3] = limbs.into_iter().collect::<Option<Vec<_>>>()?.try_into().ok()?;
-    let ball_clearance = ball_clearance(top)?;
+    let ball_clearance = ball_clearance?;
     let (limits, height) = (limits?, height?);
     let (name, base_mesh, platform_mesh) = (name?, base_mesh?, platform_mesh?);
     if !has_kind {

@@ -2,7 +2,7 @@
 
 use jointplay_core::mechanism::{
     DrivenMotion, FramePath, FrameTarget, Mechanism, MechanismSystem, OrientationTarget, Stop,
-    assemble, drive_frames, guess,
+    assemble, close_at_rest, drive_frames, guess, pose_commanded, relieve_commanded,
 };
 use jointplay_core::spatial::Pose;
 use jointplay_format::catalogue;
@@ -39,6 +39,23 @@ fn value(file: &MechanismFile, at: &DVector<f64>, joint: &str) -> f64 {
     at[coordinates.find(&file.mechanism, joint).unwrap()]
 }
 
+/// A hexapod whose pose is commanded in part: free coordinates take the legs to less motion than the upright pose needs, in any number of steps.
+#[test]
+fn free_coordinates_of_a_hexapod_move_its_legs_least() {
+    let file = parse(catalogue::find("hexapod").unwrap().text).unwrap();
+    let legs = file.mechanism.actuated_coordinates();
+    let strokes = |motion: &DrivenMotion| -> f64 {
+        legs.iter().map(|&k| end(motion)[k] * end(motion)[k]).sum()
+    };
+    for height in [0.1, -0.05] {
+        let [free, finer] =
+            [10, 40].map(|steps| to(&file, &format!("platform: move by [_, _, {height}]"), steps));
+        let upright = format!("platform: turn 0 about [0, 0, 1]; move by [0, 0, {height}]");
+        assert!(strokes(&free) < strokes(&to(&file, &upright, 10)));
+        assert!((strokes(&free) - strokes(&finer)).abs() < 1e-9);
+    }
+}
+
 /// A plate on three or four vertical legs with balls, with play along x and y at each ball; lengths in mm.
 fn legs(places: &[[f64; 2]]) -> MechanismFile {
     let mut text = String::from(
@@ -57,6 +74,65 @@ fn legs(places: &[[f64; 2]]) -> MechanismFile {
     }
     text += "\n[[frame]]\nname = \"centre\"\nlink = \"top\"\npoint = [0, 0, 400]\n";
     parse(&text).unwrap()
+}
+
+/// A beam that is 12 µm longer than the distance of its columns, with play at one end; lengths in mm.
+const LONG_BEAM: &str = r#"
+kind = "mechanism"
+name = "lift"
+units = { length = "mm", angle = "deg" }
+base = "frame"
+[[joint]]
+name = "left"
+kind = "prismatic"
+links = ["frame", "left column"]
+frames = [{ point = [-200, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }, { point = [0, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }]
+actuated = true
+[[joint]]
+name = "right"
+kind = "prismatic"
+links = ["frame", "right column"]
+frames = [{ point = [200, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }, { point = [0, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }]
+actuated = true
+[[joint]]
+name = "left pin"
+kind = "revolute"
+links = ["left column", "beam"]
+frames = [{ point = [0, 0, 0], axis = [0, 1, 0], zero = [1, 0, 0] }, { point = [-200.006, 0, 0], axis = [0, 1, 0], zero = [1, 0, 0] }]
+[[joint]]
+name = "right pin"
+kind = "revolute"
+links = ["right column", "beam"]
+frames = [{ point = [0, 0, 0], axis = [0, 1, 0], zero = [1, 0, 0] }, { point = [200.006, 0, 0], axis = [0, 1, 0], zero = [1, 0, 0] }]
+[[virtual_joint]]
+name = "play"
+joint = "left pin"
+on = "beam"
+slide = [1, 0, 0]
+clearance = 0.05
+"#;
+
+/// Rigid links of measured dimensions do not close; play takes up the rest, by the theorem of Pythagoras.
+#[test]
+fn play_closes_loops_of_measured_dimensions() {
+    let file = parse(LONG_BEAM).unwrap();
+    let joints = file.mechanism.joint_freedoms();
+    let play = |left: f64| {
+        let commands = [(0, left * 1e-3), (1, 0.0)];
+        let commands = if left == 0.0 { &[][..] } else { &commands };
+        let posed = pose_commanded(&file.mechanism, commands, None).unwrap();
+        assert!(posed.closed.is_closed());
+        posed.closed.coordinates[joints]
+    };
+    for left in [0.0, 1.0, 2.0, -3.0] {
+        let expected = 0.400012 - 0.4_f64.hypot(left * 1e-3);
+        assert!((play(left).abs() - expected).abs() < 1e-12, "{left}");
+    }
+    let home = close_at_rest(&file.mechanism, None).unwrap();
+    assert_eq!(home.coordinates[joints], 0.0);
+    assert!(home.coordinates.rows(0, joints).amax() < 1e-12);
+    let relief = relieve_commanded(&file.mechanism, &[(0, 2e-3), (1, 0.0)], None).unwrap();
+    assert!((relief.virtual_joints[0].abs() - (0.400012 - 0.4_f64.hypot(2e-3))).abs() < 1e-12);
 }
 
 proptest! {

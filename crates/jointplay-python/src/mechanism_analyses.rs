@@ -186,7 +186,7 @@ impl PyMechanism {
     ) -> PyResult<Bound<'py, PyAny>> {
         let this = slf.get();
         let failed = |error: jointplay::Error| errors::core(py, &error);
-        let start = py.detach(|| this.assembled(&[], None)).map_err(failed)?.coordinates;
+        let start = py.detach(|| this.at_rest()).map_err(failed)?.coordinates;
         let path = this.drive_path(py, drives, &start)?;
         let default = if path.segments() == 1 { STEPS } else { path.segments() };
         let steps = steps.map_or(Ok(default), |given| count(given, "steps", 1..=MOST_STEPS))?;

@@ -2,7 +2,7 @@
 
 use jointplay::Error;
 use jointplay::mechanism::{
-    Closure, DrivePath, DrivenMotion, MechanismSystem, Relief, close_commanded, drive_from,
+    Closure, DrivePath, DrivenMotion, MechanismSystem, Relief, close_at_rest, drive_from,
     pose_commanded, relieve_commanded,
 };
 use jointplay::nalgebra::DVector;
@@ -15,13 +15,9 @@ impl PyMechanism {
         MechanismSystem::fits(&self.file.mechanism)
     }
 
-    /// The closed configuration nearest the guesses, with these coordinates held.
-    pub(crate) fn assembled(
-        &self,
-        commands: &[(usize, f64)],
-        tolerance: Option<f64>,
-    ) -> Result<Closure, Error> {
-        close_commanded(&self.file.mechanism, commands, tolerance)
+    /// The configuration that displacements of virtual joints are counted from.
+    pub(crate) fn at_rest(&self) -> Result<Closure, Error> {
+        close_at_rest(&self.file.mechanism, None)
     }
 
     /// The closed configuration with these coordinates held, by virtual joints where it takes them.

@@ -5,6 +5,7 @@ use jointplay_core::mechanism::BeyondLimits;
 use crate::limits::LimitReport;
 use jointplay_format::coordinates::Coordinates;
 use jointplay_format::explain::beyond;
+use jointplay_format::number::rounded;
 
 /// Reports coordinates beyond their limits or clearance, in the units of the file.
 #[must_use]
@@ -15,10 +16,12 @@ pub fn beyond_limits(coordinates: &Coordinates, found: &[BeyondLimits]) -> Vec<L
         let (found, unit) = (in_file(one.value), coordinates.unit(one.coordinate));
         let limit = coordinates.all()[one.coordinate].name.clone();
         let value = beyond(found, min, max);
+        // As in the file, without the round-off of units.
+        let [least, most] = [min, max].map(|end| rounded(end, 12));
         let range = match [min, max].map(f64::is_finite) {
-            [true, false] => format!("its least value is {min} {unit}"),
-            [false, true] => format!("its greatest value is {max} {unit}"),
-            _ => format!("its limits are {min} to {max} {unit}"),
+            [true, false] => format!("its least value is {least} {unit}"),
+            [false, true] => format!("its greatest value is {most} {unit}"),
+            _ => format!("its limits are {least} to {most} {unit}"),
         };
         let message = format!("{limit} is at {value} {unit}, {range}");
         let [min, max] = [min, max].map(|end| end.is_finite().then_some(end));

@@ -179,6 +179,10 @@ pub fn motion(
             "incompatible",
             "the loops do not stay closed: the drives act against each other or against redundant constraints".to_owned(),
         ),
+        Stop::NotLeast => (
+            "not_least",
+            "the loops can be closed beyond, but the configuration of least displacement was not found; command more coordinates, or take more steps".to_owned(),
+        ),
         Stop::BeyondLimits { coordinate } => {
             let name = &coordinates.all()[coordinate].name;
             ("beyond_limits", format!("{name} would have to leave its limits"))

@@ -9,8 +9,10 @@ use serde_json::Value;
 use crate::problem::Problem;
 use crate::strict;
 
-/// Maximum size of a request body (bytes), ten times that of a motion of 1000 key poses.
-pub(crate) const MAX_BODY_BYTES: usize = 1_000_000;
+/// Maximum size of a request body (bytes): twice that of the largest file, whose characters may be escaped, and room for all else.
+///
+/// The page knows it as `MAX_BODY_BYTES` in `studio/src/lib/requestSize.ts`.
+pub(crate) const MAX_BODY_BYTES: usize = 10_000_000;
 
 /// The body of a request, parsed as `T`.
 pub(crate) struct Body<T>(pub(crate) T);

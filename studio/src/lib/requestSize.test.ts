@@ -14,11 +14,11 @@ test('a text is refused if its JSON is too long, however short its file', () => 
   // Each line break is two bytes of JSON.
   const lines = '\n'.repeat(0.5 * MAX_BODY_BYTES);
   expect(fileSizeProblem({ name: 'a.toml', size: lines.length })).toBeNull();
-  expect(sizeProblem('a.toml', { text: lines })).toBe('a.toml is too large: it needs 1.00 MB in a request, and 0.90 MB are allowed.');
+  expect(sizeProblem('a.toml', { text: lines })).toBe('a.toml is too large: it needs 10.00 MB in a request, and 9.00 MB are allowed.');
   // A model and the file of its loops are sent together.
-  expect(sizeProblem('a.urdf', { text: short, loops: short })).toContain('needs 1.70 MB');
+  expect(sizeProblem('a.urdf', { text: short, loops: short })).toContain('needs 17.00 MB');
 });
 
 test('a file that is longer than any request is not read', () => {
-  expect(fileSizeProblem({ name: 'big.urdf', size: 1.5 * MAX_BODY_BYTES })).toBe('big.urdf is too large: it has 1.50 MB, and 0.90 MB are allowed in a request.');
+  expect(fileSizeProblem({ name: 'big.urdf', size: 1.5 * MAX_BODY_BYTES })).toBe('big.urdf is too large: it has 15.00 MB, and 9.00 MB are allowed in a request.');
 });

@@ -35,7 +35,7 @@ use jointplay::format::number::fixed;
 #[command(after_help = "\
 Examples:
   jointplay mobility                                      level: infinitesimally mobile
-  jointplay mobility --q-mm 500,501,502                   tilted: rigid
+  jointplay mobility --q-mm 500,501,502                   tilted
   jointplay mobility --q-mm 500,501,502 --virtualization polar
   jointplay mobility bennett                              any mechanism
   jointplay mobility four-bar --at A=30 --set coupler=0.25

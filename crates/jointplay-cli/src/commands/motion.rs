@@ -101,7 +101,7 @@ impl Move {
 
     /// Drives joints.
     fn drive(&self, input: &Input) -> Result<(), Failure> {
-        let start = input.assembled(&[])?.coordinates;
+        let start = input.at_rest()?.coordinates;
         let course = self.drives.course(input, &start)?;
         let held = self.drives.held(input, course.path.coordinates())?;
         let start = at_start(input, start, &course, &held)?;
@@ -131,7 +131,7 @@ impl Move {
                 files = series(input, &report, &driven, &stem)?;
             }
             if self.to.contains(&MotionFormat::Gltf) {
-                let reference = input.assembled(&[])?.coordinates;
+                let reference = input.at_rest()?.coordinates;
                 let scene = self.scene.scene(input, &reference, moved)?;
                 for link in &scene.missing {
                     console::note(&format!("no part moves with link {link:?}"));

@@ -25,7 +25,7 @@ pub(super) struct PoseMotion {
 /// Leads frames from the closed configuration to the commanded poses.
 pub(super) fn pose_motion(input: &Input, course: &PoseCourse<'_>) -> Result<PoseMotion, Failure> {
     let mechanism = &input.file.mechanism;
-    let home = MechanismSystem::new(mechanism, input.assembled(&[])?.coordinates)?;
+    let home = MechanismSystem::new(mechanism, input.at_rest()?.coordinates)?;
     let links = home.kinematics().link_poses(home.home())?;
     let frame = |k: usize| home.kinematics().frame_pose(course.commands[k].frame(), &links);
     let poses: Vec<Pose> = (0..course.commands.len()).map(frame).collect();

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use jointplay::report::{self, SensitivityReport};
+use jointplay::report::{self, BallClearanceReport, SensitivityReport};
 use jointplay::spatial::Tilt;
 
 use super::relief;
@@ -12,7 +12,7 @@ use crate::arguments::{AnswerArgs, ModelArgs, Rods, TiltArgs};
 use crate::failure::Failure;
 use crate::mechanism_input::{Input, JointValues, joint_values};
 use crate::output::{ball_clearance, characteristic_length, limits, magnitude, three};
-use jointplay::format::number::fixed;
+use jointplay::format::number::{fixed, rounded};
 
 /// Compute the displacement of the virtual joints for a tilt, with first-order bounds
 ///
@@ -65,7 +65,17 @@ impl SensitivityCommand {
         let start = gpr.forward(level, model, &options)?;
         let play = gpr.play_between(start, end, model)?;
         let report = report::sensitivity(&gpr, &play, model, &broken);
-        self.answer.format.print(&report, text)
+        self.answer.format.print(&report, text)?;
+        let BallClearanceReport { lower_bound_um, available_um, is_sufficient, .. } =
+            &report.ball_clearance;
+        match (available_um, is_sufficient) {
+            (Some(available), Some(false)) => Err(Failure::OverClearance(format!(
+                "the balls need a radial clearance of at least {} µm, and have {} µm",
+                fixed(*lower_bound_um, 3),
+                rounded(*available, 3)
+            ))),
+            _ => Ok(()),
+        }
     }
 }
 

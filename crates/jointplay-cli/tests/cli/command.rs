@@ -66,7 +66,7 @@ fn a_file_of_another_kind_is_refused_with_its_commands() {
     #[cfg(feature = "studio")]
     refused(&sandbox, "studio hexapod --mechanism bennett --no-open", &["given twice"]);
     #[cfg(feature = "studio")]
-    refused(&sandbox, "studio hexapod --loops x.toml --no-open", &["is none"]);
+    refused(&sandbox, "studio hexapod --loops x.toml --no-open", &["--loops needs a model"]);
     #[cfg(feature = "studio")]
     refused(&sandbox, "studio --loops x.toml --no-open", &["name its file too"]);
 }

@@ -231,16 +231,21 @@ fn the_table_reads_well() {
 #[test]
 fn a_closed_pipe_is_no_error() {
     let sandbox = Sandbox::new();
-    for line in
-        ["--help", "mobility", "completions bash", "simulate --azimuth-step-deg 180 --tilt-deg 1"]
-    {
+    for (line, code) in [
+        ("--help", 0),
+        ("mobility", 0),
+        ("completions bash", 0),
+        ("simulate --azimuth-step-deg 180 --tilt-deg 1", 0),
+        // The answer is no, also where the reader stops early.
+        ("move 3-rps --drive P1=0:300", 1),
+    ] {
         let mut child =
             sandbox.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert!(!stderr.contains("panicked"), "{line}: {stderr}");
-        assert_eq!(output.status.code(), Some(0), "{line}: {stderr}");
+        assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
     }
 }
 

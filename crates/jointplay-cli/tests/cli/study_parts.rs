@@ -153,7 +153,7 @@ fn a_folder_takes_one_study() {
     );
     fails(&sandbox, "study --parts run --gather t.parquet", 2, "parts are csv tables");
     fails(&sandbox, "study --parts run --gather t.xlsx", 2, "ends in .csv or .parquet");
-    fails(&sandbox, "study --parts none --status", 2, "no folder of parts");
+    fails(&sandbox, "study --parts none --status", 2, "has no study.json");
     fails(&sandbox, "study --parts run --part 2/2", 2, "a share is K/N");
     fails(&sandbox, "study --parts run --part 1", 2, "a share is K/N");
     fails(&sandbox, "study --parts run --out t.csv", 2, "cannot be used with");

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::coupling_conflicts::determined;
-use super::posing::close_commanded;
+use super::posing::close_at_rest;
 use super::{
     DrivePath, DrivenMotion, Mechanism, MechanismSystem, SparseSystem, drive_along, drive_relieved,
 };
@@ -22,7 +22,7 @@ pub const DEFAULT_STEPS: usize = 60;
 /// * `progress` – called with the number of steps done after each
 ///
 /// # Errors
-/// Those of [`drive_along`], [`drive_relieved`] and [`SparseSystem::drive_along`]; of a mechanism with virtual joints those of [`close_commanded`].
+/// Those of [`drive_along`], [`drive_relieved`] and [`SparseSystem::drive_along`]; of a mechanism with virtual joints those of [`close_at_rest`].
 pub fn drive_from(
     mechanism: &Mechanism,
     from: &DVector<f64>,
@@ -44,7 +44,7 @@ pub fn drive_from(
     if mechanism.virtual_joints().is_empty() {
         return drive_along(&system, path, &free, steps, progress);
     }
-    let at_rest = close_commanded(mechanism, &[], tolerance)?.coordinates;
+    let at_rest = close_at_rest(mechanism, tolerance)?.coordinates;
     let home = MechanismSystem::new(mechanism, at_rest)?;
     drive_relieved(&home, &system, path, &free, steps, progress)
 }

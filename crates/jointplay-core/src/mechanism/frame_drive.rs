@@ -206,9 +206,8 @@ impl Measured {
             start.rows_mut(f, near.len() - f).fill(0.0);
             let found = match relieve(&at_home.at(start)?, &commanded, ReliefSolver::LeastNorm) {
                 Ok(found) => found,
-                Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => {
-                    return Ok(Err(Stop::Incompatible));
-                }
+                Err(Error::NotRelieved { .. }) => return Ok(Err(Stop::Incompatible)),
+                Err(Error::NotLeast { .. }) => return Ok(Err(Stop::NotLeast)),
                 Err(other) => return Err(other),
             };
             let joints = found.coordinates.rows(0, self.joints).into_owned();

@@ -77,6 +77,8 @@ pub enum Stop {
     },
     /// The loops do not stay closed: the drives pull against each other or against redundant constraints.
     Incompatible,
+    /// The loops can be closed, but the least displacement of virtual joints, or the configuration nearest home, was not found.
+    NotLeast,
     /// A joint coordinate would have to leave its limits.
     BeyondLimits {
         /// Index of the coordinate.

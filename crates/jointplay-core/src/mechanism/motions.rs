@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::motion::{MAX_CORRECTIONS, STEP_THRESHOLD};
-use super::posing::close_commanded;
+use super::posing::close_at_rest;
 use super::{Closure, CommandedJoints, MechanismSystem, ReliefSolver, close, relief, relieve};
 use crate::Error;
 use crate::constraint::{System, scaled_jacobian, units};
@@ -26,14 +26,14 @@ pub(super) enum Motions<'a> {
 
 impl<'a> Motions<'a> {
     /// # Errors
-    /// Those of [`close_commanded`] and [`CommandedJoints::new`], of a mechanism with virtual joints.
+    /// Those of [`close_at_rest`] and [`CommandedJoints::new`], of a mechanism with virtual joints.
     pub(super) fn of(system: &MechanismSystem<'a>) -> Result<Self, Error> {
         let mechanism = system.kinematics().mechanism();
         let actuated = mechanism.actuated_coordinates();
         if mechanism.virtual_joints().is_empty() || actuated.is_empty() {
             return Ok(Self::Rigid { free: (0..mechanism.joint_freedoms()).collect() });
         }
-        let home = close_commanded(mechanism, &[], None)?.coordinates;
+        let home = close_at_rest(mechanism, None)?.coordinates;
         let home = Box::new(MechanismSystem::new(mechanism, home)?);
         let commanded = CommandedJoints::new(&home, &actuated)?;
         Ok(Self::Relieved { home, commanded })

@@ -12,6 +12,7 @@ use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
 use super::unassembled::Unassembled;
 use crate::Error;
+use crate::constraint::System as _;
 
 /// Number of other starts, if the guess does not close.
 const STARTS: usize = 30;
@@ -65,6 +66,43 @@ pub fn close_commanded(
     let starts = if commands.is_empty() { STARTS } else { 0 };
     let guess = commanded_guess(mechanism, commands);
     Ok(nearest_closure(mechanism, &guess, &held, starts)?.unwrap_or(closed))
+}
+
+/// The configuration that displacements of virtual joints are counted from: closed, or with loops that the virtual joints close.
+///
+/// Rigid loops of measured dimensions do not close: then it is the one of least displacement with the actuators at their guesses, with the virtual joints back at rest, so that the loops miss there by the play that they need.
+///
+/// # Arguments
+/// * `tolerance` – as for [`close_commanded`]
+///
+/// # Errors
+/// Those of [`close_commanded`].
+pub fn close_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Closure, Error> {
+    match close_commanded(mechanism, &[], tolerance) {
+        Err(Error::NotAssembled(found)) if !mechanism.virtual_joints().is_empty() => {
+            at_rest_by_play(mechanism).map_err(|_| Error::NotAssembled(found))
+        }
+        closed => closed,
+    }
+}
+
+/// The configuration of least displacement with the actuators at their guesses, with the virtual joints back at rest.
+fn at_rest_by_play(mechanism: &Mechanism) -> Result<Closure, Error> {
+    let Relief { mut coordinates, iterations, .. } = relief_at_guess(mechanism)?;
+    coordinates.rows_range_mut(mechanism.joint_freedoms()..).fill(0.0);
+    let system = MechanismSystem::new(mechanism, coordinates.clone())?;
+    let residual = system.mismatch(&system.at_home());
+    Ok(Closure { coordinates, residual, iterations, is_searched: false })
+}
+
+/// The least displacement of the virtual joints that closes the loops with the actuators at their guesses.
+fn relief_at_guess(mechanism: &Mechanism) -> Result<Relief, Error> {
+    let start = guess(mechanism);
+    let actuated = mechanism.actuated_coordinates();
+    let commands: Vec<(usize, f64)> = actuated.into_iter().map(|k| (k, start[k])).collect();
+    let (residual, iterations) = (f64::INFINITY, 0);
+    let open = Closure { coordinates: start, residual, iterations, is_searched: false };
+    relieve_from(mechanism, &open, &commands)
 }
 
 /// The closed configuration from the guess, or one that is accepted in its place.
@@ -138,14 +176,19 @@ pub fn pose_commanded(
         false => close_commanded(mechanism, commands, tolerance),
     };
     match closed {
-        Err(Error::NotAssembled(_)) if is_relieved => {
-            let home = close_commanded(mechanism, &[], tolerance)?;
-            let relief = relieve_from(mechanism, &home, commands)?;
+        Err(Error::NotAssembled(found)) if !mechanism.virtual_joints().is_empty() => {
+            let (relief, is_searched) = if is_relieved {
+                let home = close_at_rest(mechanism, tolerance)?;
+                (relieve_from(mechanism, &home, commands)?, home.is_searched)
+            } else {
+                let relief = relief_at_guess(mechanism);
+                (relief.map_err(|_| Error::NotAssembled(found))?, false)
+            };
             let closed = Closure {
                 coordinates: relief.coordinates.clone(),
                 residual: relief.residual,
                 iterations: relief.iterations,
-                is_searched: home.is_searched,
+                is_searched,
             };
             Ok(Posed { closed, relief: Some(relief) })
         }
@@ -159,13 +202,13 @@ pub fn pose_commanded(
 /// As [`close_commanded`].
 ///
 /// # Errors
-/// Those of [`close_commanded`] without commands, of [`CommandedJoints::new`] and of [`relieve`].
+/// Those of [`close_at_rest`], of [`CommandedJoints::new`] and of [`relieve`].
 pub fn relieve_commanded(
     mechanism: &Mechanism,
     commands: &[(usize, f64)],
     tolerance: Option<f64>,
 ) -> Result<Relief, Error> {
-    relieve_from(mechanism, &close_commanded(mechanism, &[], tolerance)?, commands)
+    relieve_from(mechanism, &close_at_rest(mechanism, tolerance)?, commands)
 }
 
 /// The relief from a closed configuration without commands.

@@ -21,6 +21,9 @@ const SETTLED: f64 = 1e-14;
 const AT_HOME: f64 = 1e-12;
 /// Longest turn of the passive joints in one step, all of them together (rad).
 const LONGEST_STEP: f64 = 0.5;
+/// Shares of a step toward home.
+const LEAST_SHARE: f64 = 0.02;
+const MOST_SHARE: f64 = 4.0;
 /// Steps of the iteration.
 const MAX_ITERATIONS: usize = 60;
 
@@ -205,6 +208,7 @@ fn relieved_from(
     let mut here = start.clone();
     let mut iterations = 0;
     let mut reached = f64::INFINITY;
+    let mut homing = Homing { share: 1.0, last: None };
     while iterations < MAX_ITERATIONS {
         iterations += 1;
         let Reduced {
@@ -235,7 +239,7 @@ fn relieved_from(
             let away = off_home(&here, commanded, &passive).component_div(&of_passive);
             let by = to_home(&idle, &away, commanded, &passive)?;
             homeward = by.norm();
-            follow -= by;
+            follow -= homing.next(by);
         }
         // Long slides are as straight as short ones; turns are not.
         let turns =
@@ -278,6 +282,37 @@ fn relieved_from(
         residual,
         iterations,
     })
+}
+
+/// Steps toward home of the undetermined motions.
+///
+/// A full step neglects the curvature of the motions: where that is large, full steps overshoot more and more.
+/// Each share is the one that would have ended at home along the last step, by the change that the step made.
+///
+/// # Source
+/// Relaxation of fixed-point iterations by Aitken's Δ² for vectors, \[IronsTuck\]
+struct Homing {
+    /// Share of a full step.
+    share: f64,
+    /// The last full step.
+    last: Option<DVector<f64>>,
+}
+
+impl Homing {
+    /// The step to take in place of a full one.
+    fn next(&mut self, full: DVector<f64>) -> DVector<f64> {
+        if let Some(last) = self.last.take().filter(|last| last.len() == full.len()) {
+            let change = &last - &full;
+            let share = self.share * last.dot(&change) / change.norm_squared();
+            // Negative where a motion leads away from home, and no number where nothing changed.
+            if share > 0.0 && share.is_finite() {
+                self.share = share.clamp(LEAST_SHARE, MOST_SHARE);
+            }
+        }
+        let by = &full * self.share;
+        self.last = Some(full);
+        by
+    }
 }
 
 /// (p) the part of the displacement from home that undetermined motions can undo: first of the coordinates that are to move least, then of all.

@@ -88,5 +88,5 @@ fn unknown_paths_and_methods_are_rejected() {
 #[test]
 fn an_oversized_body_is_rejected() {
     let long = format!("{{\"command\": \"{}\"}}", "x".repeat(crate::body::MAX_BODY_BYTES));
-    refused("/api/v1/pose", &long, 413, None, "exceeds 1000000 bytes");
+    refused("/api/v1/pose", &long, 413, None, "exceeds 10000000 bytes");
 }

@@ -6,7 +6,7 @@ use jointplay_core::Error as CoreError;
 use jointplay_core::bulk::Status;
 use jointplay_core::mechanism::{
     CommandedPositions, FrameId, LinkPoses, Mechanism, MechanismSystem, ReliefSolver, close,
-    close_commanded, virtual_weights,
+    close_at_rest, close_commanded, virtual_weights,
 };
 use jointplay_core::mobility::{RANK_THRESHOLD, instantaneous_mobility};
 use jointplay_core::spatial::{Pose, continued_quaternion, rotation_vector};
@@ -135,7 +135,7 @@ impl MechanismPlan {
     /// # Errors
     /// [`Error::Core`] if its loops do not close, or if its joints cannot be commanded.
     pub fn check(&self) -> Result<(), Error> {
-        let home = close_commanded(&self.design, &[], None)?.coordinates;
+        let home = close_at_rest(&self.design, None)?.coordinates;
         Posed::new(self.design.clone(), home, &self.commanded())?;
         Ok(())
     }
@@ -240,7 +240,7 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     fn new(plan: &'a MechanismPlan) -> Result<Self, Error> {
-        let design_home = close_commanded(&plan.design, &[], None)?.coordinates;
+        let design_home = close_at_rest(&plan.design, None)?.coordinates;
         let is_compared = plan.wanted.iter().any(|one| one.needs_design());
         let design = || Posed::new(plan.design.clone(), design_home.clone(), &plan.commanded());
         let design = is_compared.then(design).transpose()?;
