@@ -294,22 +294,25 @@ fn a_step_may_end_in_a_crossing_and_a_motion_may_start_there() {
 }
 
 #[test]
-fn a_parallelogram_passes_through_its_flat_bifurcation() {
+fn a_parallelogram_passes_through_its_flat_bifurcation_in_any_number_of_steps() {
     let mechanism = ring(
         &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 0.0]],
         &[[0.0, 0.0, 1.0]; 4],
     );
     let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
-    let motion = drive(&system, &[Drive { coordinate: 0, to: -3.0 }], &[1, 2, 3], 37).unwrap();
-    assert_eq!(motion.stopped, None);
-    assert_eq!(motion.singular.len(), 1, "{:?}", motion.singular);
-    let flat = &motion.singular[0];
-    assert!((flat.share * 3.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-4);
-    assert_eq!(flat.instantaneous_mobility, 2);
-    assert_eq!(flat.branches, Some(2));
-    // Still a parallelogram beyond.
-    let last = motion.waypoints.last().unwrap();
-    assert!((last.coordinates[0] + last.coordinates[1]).abs() < 1e-9, "{}", last.coordinates);
+    for count in 4..=60 {
+        let drives = [Drive { coordinate: 0, to: -3.0 }];
+        let motion = drive(&system, &drives, &[1, 2, 3], count).unwrap();
+        assert_eq!(motion.stopped, None);
+        assert_eq!(motion.singular.len(), 1, "{count} steps: {:?}", motion.singular);
+        let flat = &motion.singular[0];
+        assert!((flat.share * 3.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-4);
+        assert_eq!(flat.instantaneous_mobility, 2);
+        assert_eq!(flat.branches, Some(2));
+        // Still a parallelogram beyond.
+        let last = motion.waypoints.last().unwrap();
+        assert!((last.coordinates[0] + last.coordinates[1]).abs() < 1e-9, "{}", last.coordinates);
+    }
 }
 
 #[test]

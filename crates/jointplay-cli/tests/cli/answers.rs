@@ -149,6 +149,21 @@ fn sensitivity_of_the_level_robot() {
     check("--virtualization planar", [1.0, 1.0, 1.0]);
 }
 
+/// A tilt of 1.5° takes at least 20.8 µm.
+#[test]
+fn sensitivity_fails_where_the_balls_have_too_little_clearance() {
+    let sandbox = Sandbox::new();
+    let robot = jointplay::format::robot::PAPER;
+    for (clearance_um, code) in [(1.0, 1), (1000.0, 0)] {
+        sandbox
+            .write("r.toml", &format!("{robot}\n[ball]\nclearance_radius_um = {clearance_um}\n"));
+        let run = sandbox.run("sensitivity --robot r.toml");
+        assert_eq!(run.code, code, "{clearance_um}: {}", run.stderr);
+        assert!(run.stdout.contains("radial clearance"), "{}", run.stdout);
+        assert_eq!(run.stderr.contains("the balls need"), code == 1, "{}", run.stderr);
+    }
+}
+
 #[test]
 fn sensitivity_reports_the_exact_displacement_with_its_bounds() {
     let found = Sandbox::new().json("sensitivity --tilt-deg 1.5 --azimuth-deg 40");

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | find the rods of many tilts | [`Gpr::inverse_many`](crate::gpr::Gpr::inverse_many) |
 //! | find the poses of many rods | [`Gpr::forward_many`](crate::gpr::Gpr::forward_many) |
+//! | prepare forward kinematics for many calls | [`PoseSolver`] |
 //! | pass numbers: contiguous, every n-th, or one for all | [`Column`] |
 //! | choose the quantities to compute | [`Quantity`] |
 //! | find the limits that many poses exceed | [`Gpr::broken_limits_many`](crate::gpr::Gpr::broken_limits_many) |

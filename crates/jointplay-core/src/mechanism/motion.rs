@@ -20,6 +20,8 @@ const SHORT: f64 = 1e-9;
 pub(super) const LONGEST_STEP: f64 = 0.5;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 pub(super) const SHORTEST_STEP: f64 = 1e-7;
+/// Halvings of a step in the search for a singular configuration.
+const HALVINGS: usize = 3;
 /// Singular values up to this share of the largest are not used for a step.
 pub(super) const STEP_THRESHOLD: f64 = 1e-9;
 /// A singular configuration is looked for no closer than to this least singular value, as a share of the largest.
@@ -301,6 +303,25 @@ impl<'a> DriveProblem<'a> {
         Ok(Some(self.waypoint(share, closed, &there, regular_rank)))
     }
 
+    /// The configuration at a share of the path, in a step from a configuration before it, or in shorter ones.
+    fn reached(
+        &self,
+        from: &Waypoint,
+        share: f64,
+        regular_rank: usize,
+        halvings: usize,
+    ) -> Result<Option<Waypoint>, Error> {
+        let found = self.step(from, from, share, regular_rank)?;
+        if found.is_some() || halvings == 0 {
+            return Ok(found);
+        }
+        let middle = 0.5 * (from.share + share);
+        match self.reached(from, middle, regular_rank, halvings - 1)? {
+            Some(between) => self.reached(&between, share, regular_rank, halvings - 1),
+            None => Ok(None),
+        }
+    }
+
     /// Length of a displacement, in radians and characteristic lengths.
     fn size(&self, by: &DVector<f64>) -> f64 {
         by.component_div(&self.columns).norm()
@@ -466,15 +487,16 @@ impl<'a> DriveProblem<'a> {
         }
         let (mut low, mut high) = (trail[count - 3].share, trail[count - 1].share);
         let mut least = trail[count - 2].clone();
-        let base = trail[count - 3].clone();
+        // Moves along: from near, a step to the singular configuration is predicted well.
+        let mut base = trail[count - 3].clone();
         for _ in 0..60 {
             if least.least_singular_value < FOUND || high - low < 1e-12 {
                 break;
             }
             let shares = [low + (high - low) / 3.0, high - (high - low) / 3.0];
             let [Some(a), Some(b)] = [
-                self.step(&base, &base, shares[0], regular_rank)?,
-                self.step(&base, &base, shares[1], regular_rank)?,
+                self.reached(&base, shares[0], regular_rank, HALVINGS)?,
+                self.reached(&base, shares[1], regular_rank, HALVINGS)?,
             ] else {
                 break;
             };
@@ -482,6 +504,7 @@ impl<'a> DriveProblem<'a> {
                 high = shares[1];
             } else {
                 low = shares[0];
+                base = a.clone();
             }
             for candidate in [a, b] {
                 if candidate.least_singular_value < least.least_singular_value {
