@@ -15,6 +15,7 @@ mod coupling_rows;
 mod description;
 mod drive_from;
 mod drive_path;
+mod driven_motion;
 mod elementary;
 mod evidence;
 mod exaggeration;
@@ -65,6 +66,7 @@ pub use description::{
 };
 pub use drive_from::{DEFAULT_STEPS, drive_from, held_actuators};
 pub use drive_path::{Drive, DrivePath};
+pub use driven_motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint};
 pub use elementary::{ElementaryChain, ElementaryMotion};
 pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion, poses_along_motion};
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
@@ -75,7 +77,7 @@ pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
 pub use link_poses::LinkPoses;
 pub use mechanism_error::MechanismError;
-pub use motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_along};
+pub use motion::{drive, drive_along};
 pub use nearest::nearest_closure;
 pub use posing::{
     Posed, close_at_rest, close_commanded, close_sparse, commanded_guess, pose_commanded,
