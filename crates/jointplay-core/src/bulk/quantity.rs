@@ -32,7 +32,7 @@ pub enum Quantity {
     Sensitivity(usize),
     /// Largest difference between a side and its virtual length (m).
     Residual,
-    /// Iterations of the solver, a whole number; 0 for a closed form.
+    /// Iterations of the solver, a whole number; 0 for a closed form, and for the polynomials of a [`PoseSolver`](super::PoseSolver).
     Iterations,
 }
 
