@@ -96,7 +96,7 @@ def million(work):
     lines = [
         "## jointplay, many poses at a time",
         "",
-        f"`Gpr::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses, more than the caches hold, on one core in CPU time, and distributed over all {work['cores']} cores (`study::parallel`) in wall time, in the best of many runs.",
+        f"`PoseSolver::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses, more than the caches hold, on one core in CPU time, and distributed over all {work['cores']} cores (`study::parallel`) in wall time, in the best of many runs.",
         "*Gain* is the ratio of the wall time on one core to that on all cores; with other load on the machine it has little meaning. The last column is the ratio of the CPU time on one core to that of all cores together; below one, the distribution has a cost.",
         "",
         f"| computed | {work['poses']} poses, one core | {poses} poses, one core | all cores | gain | CPU time, one to all |",

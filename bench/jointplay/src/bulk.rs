@@ -127,7 +127,7 @@ impl Forward {
         let mut wanted: Vec<_> = self.wanted.iter().copied().zip(columns).collect();
         let status = &mut self.status[..poses];
         let done = if self.shared {
-            parallel::forward_many(&self.solver, rods, status, &mut wanted)
+            parallel::poses_many(&self.solver, rods, status, &mut wanted)
         } else {
             self.solver.forward_many(rods, status, &mut wanted)
         };

@@ -1,14 +1,11 @@
 //! The three-rod robot.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
 
-use jointplay::bulk::PoseSolver;
 use jointplay::format::robot::{self, Robot};
 use jointplay::gpr::{AxisHeight, CenterHeight, Gpr, Limb, Limits};
 use jointplay::nalgebra::Vector2;
 use jointplay::spatial::Tilt;
-use jointplay::virtualization::SolveOptions;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyFloat, PyTuple};
@@ -62,8 +59,6 @@ pub(crate) const RODS: &str = "three rod lengths or an array of shape (..., 3) i
 pub(crate) struct PyGpr {
     pub(crate) name: String,
     pub(crate) gpr: Gpr,
-    /// Forward kinematics as it was last prepared.
-    prepared: Mutex<Option<Arc<PoseSolver>>>,
 }
 
 impl PartialEq for PyGpr {
@@ -89,34 +84,12 @@ pub(crate) fn axis_height(height: Option<f64>, gpr: &Gpr) -> AxisHeight {
 }
 
 impl PyGpr {
-    pub(crate) fn from_parts(name: String, gpr: Gpr) -> Self {
-        Self { name, gpr, prepared: Mutex::default() }
-    }
-
-    /// Forward kinematics prepared for many poses; `None` for a virtualization written in Python.
-    pub(crate) fn solver(
-        &self,
-        py: Python<'_>,
-        model: &Model,
-        options: &SolveOptions,
-    ) -> PyResult<Option<Arc<PoseSolver>>> {
-        let Some(virtualization) = model.virtualization().as_built_in() else { return Ok(None) };
-        // A panic of another thread leaves the last complete one.
-        let mut prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(last) = prepared.as_ref().filter(|last| last.is_for(virtualization, options)) {
-            return Ok(Some(Arc::clone(last)));
-        }
-        let solver = PoseSolver::new(&self.gpr, virtualization, options)
-            .map_err(|error| errors::core(py, &error))?;
-        Ok(Some(Arc::clone(prepared.insert(Arc::new(solver)))))
-    }
-
     fn forward_one(
         &self,
         py: Python<'_>,
         rods: [f64; 3],
         model: &Model,
-        options: &SolveOptions,
+        options: &jointplay::virtualization::SolveOptions,
     ) -> PyResult<PyForward> {
         let found = with_model!(model, v => self.gpr.forward(rods, v, options));
         self.pose(py, found, model)
@@ -177,14 +150,14 @@ impl PyGpr {
             });
         let gpr = gpr.map_err(|error| errors::core(py, &error))?;
         let gpr = if check_limits { gpr } else { gpr.without_limit_checks() };
-        Ok(Self::from_parts(name, gpr))
+        Ok(Self { name, gpr })
     }
 
     /// The robot of the paper: three sockets 120° apart on a radius of 93.218 mm.
     #[staticmethod]
     fn paper() -> Self {
         let robot = robot::paper();
-        Self::from_parts(robot.name, robot.gpr)
+        Self { name: robot.name, gpr: robot.gpr }
     }
 
     /// The robot of a TOML file, written like the included `gpr`.
@@ -311,8 +284,7 @@ impl PyGpr {
             return Ok(Bound::new(py, one)?.into_any());
         }
         let wanted = Wanted { quantities, out, threads };
-        let solver = self.solver(py, &model, &options)?;
-        many::forward(py, &self.gpr, solver.as_deref(), &rods, (&model, &options), &wanted)
+        many::forward(py, &self.gpr, &rods, &model, &options, &wanted)
     }
 
     /// Rods that put the platform plane at a tilt: one, or many at a time.
@@ -489,7 +461,7 @@ impl PyGpr {
 
     /// The robot of a file.
     pub(crate) fn of(robot: Robot) -> Self {
-        Self::from_parts(robot.name, robot.gpr)
+        Self { name: robot.name, gpr: robot.gpr }
     }
 
     /// The content of a file of this robot.

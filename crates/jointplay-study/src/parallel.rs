@@ -4,6 +4,7 @@ use jointplay_core::Error;
 use jointplay_core::bulk::{Column, PoseSolver, Quantity, Status, StatusCounts, parts};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::mechanism::{CommandedPositions, Mechanism, ReliefSolver};
+use jointplay_core::virtualization::{SolveOptions, Virtualization};
 use rayon::prelude::*;
 
 /// The most threads that work is spread over: more only cost memory.
@@ -51,23 +52,59 @@ pub fn inverse_many(
     )
 }
 
+/// [`Gpr::forward_many`] over the cores of the current thread pool.
+///
+/// Poses are independent of each other, so that the result is the same to the bit for any number of threads.
+///
+/// # Errors
+/// As [`Gpr::forward_many`].
+pub fn forward_many(
+    gpr: &Gpr,
+    rods: [Column<'_>; 3],
+    virtualization: &(dyn Virtualization + Sync),
+    options: &SolveOptions,
+    status: &mut [Status],
+    wanted: &mut [(Quantity, &mut [f64])],
+) -> Result<StatusCounts, Error> {
+    with_quantities(rods, status, wanted, |rods, status, wanted| {
+        gpr.forward_many(rods, virtualization, options, status, wanted)
+    })
+}
+
 /// [`PoseSolver::forward_many`] over the cores of the current thread pool.
 ///
 /// Poses are independent of each other, so that the result is the same to the bit for any number of threads.
 ///
 /// # Errors
 /// As [`PoseSolver::forward_many`].
-pub fn forward_many(
+pub fn poses_many(
     solver: &PoseSolver,
     rods: [Column<'_>; 3],
     status: &mut [Status],
     wanted: &mut [(Quantity, &mut [f64])],
 ) -> Result<StatusCounts, Error> {
+    with_quantities(rods, status, wanted, |rods, status, wanted| {
+        solver.forward_many(rods, status, wanted)
+    })
+}
+
+/// Hands the poses out in parts, each with its columns of the wanted quantities.
+fn with_quantities(
+    rods: [Column<'_>; 3],
+    status: &mut [Status],
+    wanted: &mut [(Quantity, &mut [f64])],
+    work: impl Fn(
+        [Column<'_>; 3],
+        &mut [Status],
+        &mut [(Quantity, &mut [f64])],
+    ) -> Result<StatusCounts, Error>
+    + Sync,
+) -> Result<StatusCounts, Error> {
     let quantities: Vec<Quantity> = wanted.iter().map(|(quantity, _)| *quantity).collect();
     let columns = wanted.iter_mut().map(|(_, column)| &mut **column).collect();
     in_parts(rods, status, columns, |rods, status, columns| {
         let mut wanted: Vec<_> = quantities.iter().copied().zip(columns).collect();
-        solver.forward_many(rods, status, &mut wanted)
+        work(rods, status, &mut wanted)
     })
 }
 

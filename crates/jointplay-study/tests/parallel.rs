@@ -3,7 +3,7 @@
 use jointplay_core::Error;
 use jointplay_core::bulk::{Column, PoseSolver, Quantity, Status, StatusCounts};
 use jointplay_core::gpr::Gpr;
-use jointplay_core::virtualization::{BuiltIn, SolveOptions, Solver};
+use jointplay_core::virtualization::{BuiltIn, Polar, SolveOptions, Solver};
 use jointplay_study::parallel::{self, PoseColumns};
 
 /// More than two parts, the last of them neither full nor a whole number of lanes; one tilt in a thousand has no rods.
@@ -22,6 +22,7 @@ fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
     let mut rods = [vec![0.0; POSES], vec![0.0; POSES], vec![0.0; POSES]];
     let mut status = vec![Status::Solved; POSES];
     let (mut x, mut torsion) = (vec![0.0; POSES], vec![0.0; POSES]);
+    let mut prepared = vec![0.0; POSES];
     let tally = pool.install(|| {
         let gpr = Gpr::paper().without_limit_checks();
         let height = Column::constant(&0.5, POSES);
@@ -34,12 +35,16 @@ fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
         let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
         let wanted =
             &mut [(Quantity::VirtualJoint(4), &mut x[..]), (Quantity::Torsion, &mut torsion)];
+        let tally =
+            parallel::forward_many(&gpr, given, &Polar, &options, &mut status, wanted).unwrap();
         let solver = PoseSolver::new(&gpr, BuiltIn::Polar, &options).unwrap();
-        parallel::forward_many(&solver, given, &mut status, wanted).unwrap()
+        let wanted = &mut [(Quantity::VirtualJoint(4), &mut prepared[..])];
+        assert_eq!(parallel::poses_many(&solver, given, &mut status, wanted), Ok(tally));
+        tally
     });
     let [q_1, q_2, q_3] = rods;
-    let bits =
-        [q_1, q_2, q_3, x, torsion].map(|column| column.into_iter().map(f64::to_bits).collect());
+    let bits = [q_1, q_2, q_3, x, torsion, prepared]
+        .map(|column| column.into_iter().map(f64::to_bits).collect());
     (bits.to_vec(), status, tally)
 }
 
@@ -56,9 +61,15 @@ fn the_same_bits_whatever_the_number_of_threads() {
 fn columns_of_different_lengths() {
     let (numbers, mut status) = (vec![0.5; POSES], vec![Status::Solved; POSES]);
     let given = [numbers[..].into(), numbers[1..].into(), numbers[..].into()];
-    let (gpr, options) = (Gpr::paper().without_limit_checks(), SolveOptions::default());
-    let solver = PoseSolver::new(&gpr, BuiltIn::Polar, &options).unwrap();
-    let found = parallel::forward_many(&solver, given, &mut status, &mut []);
+    let options = SolveOptions::default();
+    let found = parallel::forward_many(
+        &Gpr::paper().without_limit_checks(),
+        given,
+        &Polar,
+        &options,
+        &mut status,
+        &mut [],
+    );
     let expected =
         Error::LengthMismatch { what: "a column of rods", found: POSES - 1, expected: POSES };
     assert_eq!(found, Err(expected));

@@ -42,7 +42,8 @@ impl Gpr {
         status: &mut [Status],
         wanted: &mut [(Quantity, &mut [f64])],
     ) -> Result<StatusCounts, Error> {
-        Work { gpr: self, rods, virtualization, options, polynomials: None, status, wanted }.done()
+        Work { gpr: self, rods, virtualization, options, polynomials: None, status, wanted }
+            .compute()
     }
 }
 
@@ -59,11 +60,11 @@ pub(super) struct Work<'a, 'b> {
 }
 
 impl Work<'_, '_> {
-    /// Does the work.
+    /// Computes all poses.
     ///
     /// # Errors
     /// Those of [`Gpr::forward_many`].
-    pub(super) fn done(mut self) -> Result<StatusCounts, Error> {
+    pub(super) fn compute(mut self) -> Result<StatusCounts, Error> {
         let expected = self.status.len();
         super::column::same_lengths(
             expected,

@@ -7,10 +7,10 @@ use crate::gpr::{Gpr, PlatformPose, ball_sides, solution};
 use crate::kernel::{self, FirstStep, JointPolynomials, Model, SingleJoints, SinglePose, Task};
 use crate::virtualization::{BuiltIn, Solution, SolveOptions, Solver, VirtualJoints, solve};
 
-/// Relative threshold of the poses that polynomials interpolate: some ten times round-off.
-const EXACT: f64 = 4e-15;
-/// Polynomials reach beyond the largest tilt, so that poses a little beyond are as fast.
-const BEYOND: f64 = 1.4;
+/// Relative threshold of the interpolated poses: some ten times round-off.
+const SAMPLE_THRESHOLD: f64 = 4e-15;
+/// Largest slope of the polynomials, as a multiple of that at the largest tilt: analyses look a little beyond.
+const SLOPE_MARGIN: f64 = 1.4;
 
 /// Forward kinematics of one robot under one virtualization, prepared for many calls.
 ///
@@ -66,27 +66,21 @@ impl PoseSolver {
         Ok(solver)
     }
 
-    /// Whether it is prepared for this virtualization and these options.
-    #[must_use]
-    pub fn is_for(&self, virtualization: BuiltIn, options: &SolveOptions) -> bool {
-        self.virtualization == virtualization && self.options == *options
-    }
-
     /// The virtual joints as polynomials.
     fn interpolated(&self) -> Option<JointPolynomials> {
         let (gpr, model) = (&self.gpr, self.virtualization.model());
-        let exact = SolveOptions { relative_threshold: EXACT, ..self.options };
+        let tight = SolveOptions { relative_threshold: SAMPLE_THRESHOLD, ..self.options };
         let joints = |slope: [f64; 2]| -> Option<VirtualJoints> {
             let rods = gpr.base_points().map(|point| point.x * slope[0] + point.y * slope[1]);
             let sides = ball_sides(&gpr.ball_centers(&rods));
-            Some(solve(model, gpr.platform(), &sides, &exact).ok()?.virtual_joints)
+            Some(solve(model, gpr.platform(), &sides, &tight).ok()?.virtual_joints)
         };
         let radius = gpr.platform().mean_radius();
         let weights: Vec<f64> =
             model.joints().iter().map(|joint| joint.motion.weight(radius)).collect();
         JointPolynomials::new(
             &gpr.dimensions().base_edges,
-            BEYOND * gpr.steepest(),
+            SLOPE_MARGIN * gpr.steepest(),
             &weights,
             joints,
         )
@@ -139,7 +133,7 @@ impl PoseSolver {
             status,
             wanted,
         }
-        .done()
+        .compute()
     }
 
     #[inline(always)]

@@ -24,11 +24,11 @@ impl<const N: usize> Method for ByPolynomials<N> {
         if found.met.all() {
             return found;
         }
-        let other = balls.mean.apart(
+        let other = balls.mean.outlined(
             #[inline(always)]
             || LeastNorm::found::<S, M>(task, balls),
         );
-        found.or(&other)
+        found.completed_by(&other)
     }
 }
 
@@ -56,7 +56,7 @@ impl JointPolynomials {
         let [first, second] = self.slopes;
         let (x, y) = (slope(balls, first), slope(balls, second));
         let terms = terms::<S, N>(x, y);
-        let rows = &self.rows;
+        let rows = &self.coefficients;
         let a = [
             value::<S, N>(&rows[0], &terms),
             value::<S, N>(&rows[1], &terms),

@@ -37,9 +37,9 @@ impl<S: Simd> Found<S> {
         balls.residual(geometry, &self.missing)
     }
 
-    /// These where the sides are met, else others.
+    /// This result where its sides are met, another one elsewhere.
     #[inline(always)]
-    pub(super) fn or(self, other: &Self) -> Self {
+    pub(super) fn completed_by(self, other: &Self) -> Self {
         let met = self.met;
         Self {
             a: either(met, self.a, other.a),

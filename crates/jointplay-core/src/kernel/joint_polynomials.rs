@@ -18,11 +18,11 @@ use crate::virtualization::VirtualJoints;
 /// Most terms of a polynomial.
 pub(super) const TERMS: usize = 25;
 /// Largest error of the sockets, as a share of the longest side of the base.
-const ALLOWED: f64 = 1e-13;
-/// Largest slopes that are tried: that of 20°.
-const STEEPEST: f64 = 0.36;
-/// Largest slopes that are not worth a polynomial.
-const FLATTEST: f64 = 0.003;
+const LARGEST_ERROR: f64 = 1e-13;
+/// Largest slope that is tried: that of 20°.
+const LARGEST_SLOPE: f64 = 0.36;
+/// Polynomials up to this slope or less are not worth their preparation.
+const LEAST_SLOPE: f64 = 0.003;
 
 /// Half the degree of polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub(crate) struct JointPolynomials {
     /// From the first two differences of rods to slopes, divided by the largest (1/m).
     pub(super) slopes: [[f64; 2]; 2],
     /// Coefficients of each virtual joint ((m), (rad)).
-    pub(super) rows: [[f64; TERMS]; 6],
+    pub(super) coefficients: [[f64; TERMS]; 6],
 }
 
 impl JointPolynomials {
@@ -50,12 +50,12 @@ impl JointPolynomials {
     ///
     /// # Arguments
     /// * `base_edges` – edges of the base triangle (m)
-    /// * `steepest` – largest slope that is wanted
+    /// * `largest_slope` – up to which they are wanted
     /// * `joints` – virtual joints for given slopes of the plane through the balls
     /// * `weights` – lengths of units of the virtual joints ((m/m), (m/rad))
     pub(crate) fn new(
         base_edges: &[[f64; 2]; 3],
-        steepest: f64,
+        largest_slope: f64,
         weights: &[f64],
         joints: impl Fn([f64; 2]) -> Option<VirtualJoints>,
     ) -> Option<Self> {
@@ -66,27 +66,27 @@ impl JointPolynomials {
             Some(row)
         };
         let squares = base_edges.map(|[x, y]| x * x + y * y);
-        let allowed = ALLOWED * squares[0].max(squares[1]).max(squares[2]).sqrt();
-        let error = |rows: &[[f64; TERMS]; 6], order: usize, largest: f64| {
+        let allowed = LARGEST_ERROR * squares[0].max(squares[1]).max(squares[2]).sqrt();
+        let error = |coefficients: &[[f64; TERMS]; 6], order: usize, largest: f64| {
             let mut error = 0.0_f64;
             for point in points(order, extrema, 0.5) {
                 let expected = joints(point.map(|slope| slope * largest))?;
                 let terms = terms(point[0], point[1], order);
-                for ((row, weight), expected) in rows.iter().zip(weights).zip(expected) {
+                for ((row, weight), expected) in coefficients.iter().zip(weights).zip(expected) {
                     let value: f64 = row.iter().zip(terms).map(|(a, term)| a * term).sum();
                     error = error.max(weight * (value - expected).abs());
                 }
             }
             error.is_finite().then_some(error)
         };
-        let mut largest = steepest.min(STEEPEST);
-        while largest > FLATTEST {
+        let mut largest = largest_slope.min(LARGEST_SLOPE);
+        while largest > LEAST_SLOPE {
             let mut shrink = 0.5;
             for (order, number) in [(Order::Three, 3), (Order::Four, 4)] {
-                let Some(rows) = interpolate(&joints, number, largest) else { continue };
-                let Some(error) = error(&rows, number, largest) else { continue };
+                let Some(coefficients) = interpolate(&joints, number, largest) else { continue };
+                let Some(error) = error(&coefficients, number, largest) else { continue };
                 if error <= allowed {
-                    return Some(Self { order, slopes: slopes(base_edges, largest), rows });
+                    return Some(Self { order, slopes: slopes(base_edges, largest), coefficients });
                 }
                 // The first omitted term is of this degree.
                 shrink =

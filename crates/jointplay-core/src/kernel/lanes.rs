@@ -86,11 +86,11 @@ impl<S: Simd> Lanes<S> {
         Self::of(self.simd, &numbers[..Self::COUNT])
     }
 
-    /// Compiles a function apart from its caller, for the same instructions: for rare cases, whose numbers would take registers from the others.
+    /// Calls a function that is compiled for the same instructions, but not into its caller: for rare cases, whose numbers would take registers from the others.
     ///
     /// What it calls has to be inlined, always.
     #[inline(always)]
-    pub(crate) fn apart<T>(self, function: impl FnOnce() -> T) -> T {
+    pub(crate) fn outlined<T>(self, function: impl FnOnce() -> T) -> T {
         self.simd.vectorize(function)
     }
 

@@ -21,9 +21,9 @@ const SETTLED: f64 = 1e-14;
 const AT_HOME: f64 = 1e-12;
 /// Longest turn of the passive joints in one step, all of them together (rad).
 const LONGEST_STEP: f64 = 0.5;
-/// Shares of a step toward home.
-const LEAST_SHARE: f64 = 0.02;
-const MOST_SHARE: f64 = 4.0;
+/// Bounds of the relaxation factor of steps toward home.
+const LEAST_FACTOR: f64 = 0.02;
+const LARGEST_FACTOR: f64 = 4.0;
 /// Steps of the iteration.
 const MAX_ITERATIONS: usize = 60;
 
@@ -208,7 +208,7 @@ fn relieved_from(
     let mut here = start.clone();
     let mut iterations = 0;
     let mut reached = f64::INFINITY;
-    let mut homing = Homing { share: 1.0, last: None };
+    let mut relaxation = Relaxation { factor: 1.0, last: None };
     while iterations < MAX_ITERATIONS {
         iterations += 1;
         let Reduced {
@@ -239,7 +239,7 @@ fn relieved_from(
             let away = off_home(&here, commanded, &passive).component_div(&of_passive);
             let by = to_home(&idle, &away, commanded, &passive)?;
             homeward = by.norm();
-            follow -= homing.next(by);
+            follow -= relaxation.relaxed(by);
         }
         // Long slides are as straight as short ones; turns are not.
         let turns =
@@ -284,34 +284,33 @@ fn relieved_from(
     })
 }
 
-/// Steps toward home of the undetermined motions.
+/// Relaxation of the steps toward home of the undetermined motions.
 ///
 /// A full step neglects the curvature of the motions: where that is large, full steps overshoot more and more.
-/// Each share is the one that would have ended at home along the last step, by the change that the step made.
+/// Each factor is the one with which the last step would have ended at home, judged by the change that it made.
 ///
 /// # Source
-/// Relaxation of fixed-point iterations by Aitken's Δ² for vectors, \[IronsTuck\]
-struct Homing {
-    /// Share of a full step.
-    share: f64,
+/// Aitken's Δ² for vectors, \[IronsTuck\]
+struct Relaxation {
+    factor: f64,
     /// The last full step.
     last: Option<DVector<f64>>,
 }
 
-impl Homing {
-    /// The step to take in place of a full one.
-    fn next(&mut self, full: DVector<f64>) -> DVector<f64> {
+impl Relaxation {
+    /// A full step times the factor.
+    fn relaxed(&mut self, full: DVector<f64>) -> DVector<f64> {
         if let Some(last) = self.last.take().filter(|last| last.len() == full.len()) {
             let change = &last - &full;
-            let share = self.share * last.dot(&change) / change.norm_squared();
+            let factor = self.factor * last.dot(&change) / change.norm_squared();
             // Negative where a motion leads away from home, and no number where nothing changed.
-            if share > 0.0 && share.is_finite() {
-                self.share = share.clamp(LEAST_SHARE, MOST_SHARE);
+            if factor > 0.0 && factor.is_finite() {
+                self.factor = factor.clamp(LEAST_FACTOR, LARGEST_FACTOR);
             }
         }
-        let by = &full * self.share;
+        let relaxed = &full * self.factor;
         self.last = Some(full);
-        by
+        relaxed
     }
 }
 
