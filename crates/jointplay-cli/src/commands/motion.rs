@@ -12,7 +12,7 @@ use jointplay::report::table;
 use jointplay::report::{self, MotionParameter, MotionReport, PosesReport};
 
 use super::motion_drives::DriveArgs;
-use super::motion_pose::{PoseMotion, pose_motion};
+use super::motion_pose::{PoseMotion, nearest_possible, pose_motion};
 use super::motion_run::{at_start, follow};
 use super::motion_scene::SceneArgs;
 use crate::failure::Failure;
@@ -150,8 +150,7 @@ impl Move {
             text
         })?;
         if let Some(message) = report.message {
-            let nearest = report.nearest_pose.map(|pose| format!("\n  nearest possible: {pose}"));
-            return Err(Failure::Stopped(message + &nearest.unwrap_or_default()));
+            return Err(Failure::Stopped(message + &nearest_possible(report.nearest_pose)));
         }
         match report.first_beyond_limits {
             None => Ok(()),

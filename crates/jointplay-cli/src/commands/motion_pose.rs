@@ -1,7 +1,7 @@
 //! Motions that lead frames of links to commanded poses.
 
 use jointplay::format::command::{PosePoint, frame_paths};
-use jointplay::mechanism::{DrivenMotion, MechanismSystem, drive_frames};
+use jointplay::mechanism::{DrivenMotion, MechanismSystem, Stop, drive_frames};
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, MotionParameter};
 use jointplay::spatial::Pose;
@@ -18,8 +18,13 @@ const APPROACH: usize = 10;
 pub(super) struct PoseMotion {
     pub(super) moved: DrivenMotion,
     pub(super) parameter: MotionParameter,
-    /// The last poses that are possible, if the motion stopped.
+    /// The last poses that are possible, if the motion stopped there.
     pub(super) nearest: Option<String>,
+}
+
+/// A line of a message with the last poses that are possible.
+pub(super) fn nearest_possible(nearest: Option<String>) -> String {
+    nearest.map_or(String::new(), |poses| format!("\n  nearest possible: {poses}"))
 }
 
 /// Leads frames from the closed configuration to the commanded poses.
@@ -36,7 +41,9 @@ pub(super) fn pose_motion(input: &Input, course: &PoseCourse<'_>) -> Result<Pose
         progress.stage(stage);
         Ok::<_, Failure>(drive_frames(&home, start, &paths, &mut |done| progress.at(done))?)
     };
-    let nearest = |point: PosePoint| {
+    let nearest = |moved: &DrivenMotion, point: PosePoint| {
+        // Where the search ended without an answer, farther poses were not examined.
+        moved.stopped.filter(|stop| *stop != Stop::NotLeast)?;
         let each = course.commands.iter().zip(&poses);
         let texts = each
             .map(|(command, home)| command.at_share(home, &course.names, point.at, point.share));
@@ -62,9 +69,10 @@ pub(super) fn pose_motion(input: &Input, course: &PoseCourse<'_>) -> Result<Pose
             report::motion(&input.file, &[], &[], Some(&parameter), &moved).message
         {
             let share = moved.waypoints.last().map_or(0.0, |last| last.share);
-            let nearest = nearest(PosePoint { at: first, share }).unwrap_or_default();
+            let nearest = nearest(&moved, PosePoint { at: first, share });
             return Err(Failure::Stopped(format!(
-                "before the start of the curve: {message}\n  nearest possible: {nearest}"
+                "before the start of the curve: {message}{}",
+                nearest_possible(nearest)
             )));
         }
     }
@@ -79,7 +87,7 @@ pub(super) fn pose_motion(input: &Input, course: &PoseCourse<'_>) -> Result<Pose
         _ => "share".to_owned(),
     };
     let parameter = MotionParameter { name, values: course.values.clone() };
-    let last = moved.waypoints.last().filter(|_| moved.stopped.is_some());
-    let nearest = last.and_then(|last| nearest(point(&parameter.at(last.share))));
+    let last = moved.waypoints.last();
+    let nearest = last.and_then(|last| nearest(&moved, point(&parameter.at(last.share))));
     Ok(PoseMotion { moved, parameter, nearest })
 }

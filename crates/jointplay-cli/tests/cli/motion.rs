@@ -269,6 +269,18 @@ fn a_precession_keeps_the_tilt_and_returns_to_its_start() {
 }
 
 #[test]
+fn a_search_without_an_answer_names_no_nearest_pose() {
+    let line = "move hexapod --pose \"platform: move by [_, _, 5]\" --format json";
+    let run = Sandbox::new().run(line);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("was not found"), "{}", run.stderr);
+    assert!(!run.stderr.contains("nearest possible"), "{}", run.stderr);
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(report["stopped"], "not_least");
+    assert!(report.get("nearest_pose").is_none());
+}
+
+#[test]
 fn a_pose_out_of_reach_stops_at_the_nearest_that_is_possible() {
     let sandbox = sandbox();
     let run = sandbox.run("move four.toml --pose \"centre: tilt 15 toward 30\" --steps 10");
