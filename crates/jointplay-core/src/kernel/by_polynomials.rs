@@ -11,7 +11,7 @@ use super::polar;
 use super::shape::{Balls, Shape};
 use super::solve::{LeastNorm, Method, closed};
 
-/// The least displacement by polynomials of degree 2 N where they are exact, else by steps.
+/// The least displacement by polynomials of degree 2 N for the slopes that they are made for, else by steps.
 pub(crate) struct ByPolynomials<const N: usize>;
 
 impl<const N: usize> Method for ByPolynomials<N> {

@@ -46,7 +46,7 @@ impl JointPolynomials {
         self.order
     }
 
-    /// Polynomials that are exact to round-off for slopes up to a largest one, or to less if they would not be; `None` where none are.
+    /// Polynomials for slopes up to a largest one, or up to less where they would err by more than 10⁻¹³ of the longest side; `None` where all would.
     ///
     /// # Arguments
     /// * `base_edges` – edges of the base triangle (m)
