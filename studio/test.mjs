@@ -39,7 +39,9 @@ function chromium() {
   if (!known() && existsSync('/usr/bin/apt-get')) {
     log('no Chromium found: installing that of Debian by apt-get');
     const sudo = process.getuid?.() === 0 ? [] : ['sudo'];
-    const apt = (...words) => run([...sudo, 'apt-get'][0], [...sudo, 'apt-get', ...words].slice(1), { env: { ...process.env, DEBIAN_FRONTEND: 'noninteractive' } });
+    const env = { ...process.env, DEBIAN_FRONTEND: 'noninteractive' };
+    // One program at a time: another may be installing a C# compiler.
+    const apt = (...words) => run('flock', [resolve(ROOT, 'target/apt.lock'), ...sudo, 'apt-get', ...words], { env });
     apt('update', '-qq');
     apt('install', '-y', '-qq', '--no-install-recommends', 'chromium');
   }

@@ -70,8 +70,10 @@ def prepare() -> None:
     report("no C# compiler found: installing Mono of Debian by apt-get")
     sudo = [] if os.geteuid() == 0 else ["sudo"]
     quiet = {"DEBIAN_FRONTEND": "noninteractive"}
-    run([*sudo, "apt-get", "update", "-qq"], **quiet)
-    run([*sudo, "apt-get", "install", "-y", "-qq", "--no-install-recommends", *DEBIAN], **quiet)
+    # One program at a time: another may be installing a browser.
+    apt = ["flock", ROOT / "target" / "apt.lock", *sudo, "apt-get"]
+    run([*apt, "update", "-qq"], **quiet)
+    run([*apt, "install", "-y", "-qq", "--no-install-recommends", *DEBIAN], **quiet)
 
 
 def flags(prefix: Path) -> list[str]:
