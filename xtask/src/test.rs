@@ -89,14 +89,19 @@ pub(crate) fn run(root: &Path) -> bool {
                 }
                 concurrent.start(chore, root);
             }
-            book::run(root)
+            if !book::run(root) || !ahead.wait("page") {
+                return false;
+            }
+            // Its tests open the book.
+            concurrent.start("page", root);
+            true
         }
         "xtask embedded --check" => embedded::check(root),
         "xtask wasm --check" => wasm::check(root),
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask c" => ahead.wait("c") && c_library::run(root),
         "xtask studio" => concurrent.finish("studio").unwrap_or_else(|| studio::run(root)),
-        "xtask page" => ahead.wait("page") && page::run(root),
+        "xtask page" => concurrent.finish("page").unwrap_or_else(|| page::run(root)),
         "xtask python" => concurrent.finish("python").unwrap_or_else(|| python::run(root)),
         line if line.starts_with(EXAMPLE) => run_example(&line[EXAMPLE.len()..], root),
         _ => run_cargo(step, root),
