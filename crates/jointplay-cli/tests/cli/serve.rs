@@ -2,7 +2,7 @@
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
-use std::process::{Child, Stdio};
+use std::process::{Child, ChildStderr, Stdio};
 use std::time::Duration;
 
 use crate::sandbox::Sandbox;
@@ -10,6 +10,8 @@ use crate::sandbox::Sandbox;
 /// A running controller.
 struct Controller {
     child: Child,
+    /// Its notes.
+    notes: BufReader<ChildStderr>,
     address: String,
     /// Address of the page.
     studio: Option<String>,
@@ -18,7 +20,9 @@ struct Controller {
 impl Controller {
     fn start(sandbox: &Sandbox, flags: &str) -> Self {
         let line = format!("cell serve --listen 127.0.0.1:0 --format json {flags}");
-        let mut child = sandbox.command(&line).stdout(Stdio::piped()).spawn().unwrap();
+        let mut command = sandbox.command(&line);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let notes = BufReader::new(child.stderr.take().unwrap());
         let mut output = BufReader::new(child.stdout.take().unwrap());
         let mut text = String::new();
         while !text.contains('}') {
@@ -26,7 +30,7 @@ impl Controller {
         }
         let shown: serde_json::Value = serde_json::from_str(&text).unwrap();
         let text = |key: &str| shown[key].as_str().map(str::to_owned);
-        Self { child, address: text("address").unwrap(), studio: text("studio") }
+        Self { child, notes, address: text("address").unwrap(), studio: text("studio") }
     }
 
     fn connect(&self) -> Host {
@@ -87,6 +91,30 @@ fn hosts_have_a_robot_each_and_get_answers_in_order() {
     one.send(b"TUS\r\n\n\rSTATUS\r");
     assert!(one.line().starts_with("STATUS idle"));
     assert!(one.line().starts_with("STATUS idle"));
+}
+
+#[test]
+fn a_host_too_many_is_named_and_the_others_remain() {
+    let sandbox = Sandbox::new();
+    let mut controller = Controller::start(&sandbox, "--speed 1000");
+    let mut hosts: Vec<_> = (0..16).map(|_| controller.connect()).collect();
+    for host in &mut hosts {
+        assert!(host.line().starts_with("READY "));
+    }
+    let mut refused = controller.connect();
+    assert_eq!(refused.line(), "");
+    let mut note = String::new();
+    controller.notes.read_line(&mut note).unwrap();
+    let peer = refused.stream.local_addr().unwrap();
+    assert!(note.contains(&format!("the connection of {peer} is closed: 16 hosts")), "{note}");
+    assert!(hosts[15].ask("STATUS").starts_with("STATUS idle"));
+    // A place becomes free with its host.
+    drop(hosts.remove(0));
+    let mut answer = String::new();
+    while answer.is_empty() {
+        answer = controller.connect().line();
+    }
+    assert!(answer.starts_with("READY "), "{answer}");
 }
 
 /// The document that a page of this machine answers.

@@ -12,6 +12,7 @@ use jointplay::cell::workcell::Cell;
 use jointplay::interop::host::{HostLanguage, HostSession, MAX_LINE_BYTES};
 
 use super::monitor::{HostPlace, Monitor};
+use crate::console;
 use crate::failure::Failure;
 
 /// Largest number of hosts at a time; each has a robot of its own.
@@ -98,6 +99,7 @@ impl Server {
                 continue;
             };
             let Some(waiting) = self.waiting.take() else {
+                note_closed(&stream, MOST_WAITING, "connections have not sent the token");
                 let _ = stream.shutdown(Shutdown::Both);
                 continue;
             };
@@ -112,6 +114,12 @@ impl Server {
     }
 }
 
+/// Names a connection that is closed because there is no place for it.
+fn note_closed(stream: &TcpStream, most: usize, others: &str) {
+    let peer = stream.peer_addr().map_or_else(|_| "a host".to_owned(), |peer| peer.to_string());
+    console::note(&format!("the connection of {peer} is closed: {most} {others}, no more fit"));
+}
+
 /// The session of one host.
 fn serve(stream: &TcpStream, hosts: &Hosts, connected: &Places, waiting: Place) -> io::Result<()> {
     stream.set_nodelay(true)?;
@@ -121,7 +129,10 @@ fn serve(stream: &TcpStream, hosts: &Hosts, connected: &Places, waiting: Place) 
     {
         return Ok(());
     }
-    let Some(_place) = connected.take() else { return Ok(()) };
+    let Some(_place) = connected.take() else {
+        note_closed(stream, MOST_HOSTS, "hosts are connected");
+        return Ok(());
+    };
     drop(waiting);
     let reader = BufReader::new(stream.try_clone()?);
     let session = HostSession::new(&hosts.language, hosts.cell.clone(), hosts.speed);
