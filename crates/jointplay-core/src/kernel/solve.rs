@@ -46,6 +46,18 @@ impl Method for LeastNorm {
     }
 }
 
+impl LeastNorm {
+    /// As [`Method::found`], in one place for all rare cases.
+    #[inline(always)]
+    pub(super) fn outlined<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+        let balls = *balls;
+        balls.mean.outlined(
+            #[inline(always)]
+            move || Self::found::<S, M>(task, &balls),
+        )
+    }
+}
+
 impl Method for ClosedForm {
     #[inline(always)]
     fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
@@ -58,8 +70,8 @@ impl Method for ClosedForm {
 pub(crate) fn solved<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     match task.solver {
         Solver::Newton => Newton::found::<S, M>(task, balls),
-        Solver::LeastNorm => LeastNorm::found::<S, M>(task, balls),
-        Solver::ClosedForm => ClosedForm::found::<S, M>(task, balls),
+        Solver::ClosedForm if M::CLOSED_FORM => ClosedForm::found::<S, M>(task, balls),
+        _ => LeastNorm::found::<S, M>(task, balls),
     }
 }
 
