@@ -1,10 +1,10 @@
 //! Jogging: interactive motion of the robot up to its limits, and the reason of a stop.
 
 use jointplay_core::gpr::AxisHeight;
-use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
+use jointplay_core::spatial::{Pose, Tilt, tilt_rotation, wrap_angle};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget, wrap_angle};
+use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use crate::station::SlotId;
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;

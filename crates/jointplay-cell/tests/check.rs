@@ -4,14 +4,13 @@ use crate::common;
 
 use std::collections::BTreeSet;
 
-use common::{A, GRAVITY};
+use common::{A, GRAVITY, step};
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, CheckResult, Report, ViolationKind, check};
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
+use jointplay_cell::program::{Handoff, Path, Phase, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
-use jointplay_cell::station::teach::FrameUncertainty;
-use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::station::{SlotId, Station};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, DroopRow};
 use jointplay_cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
@@ -19,6 +18,8 @@ use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::{BuiltIn, SolveOptions, Solver};
 use nalgebra::{Rotation3, Translation3, Vector3};
+use proptest::prelude::RngExt;
+use proptest::test_runner::{RngAlgorithm, TestRng};
 
 const T: usize = 3;
 
@@ -27,24 +28,6 @@ fn cell() -> Cell {
     let mut robot = common::kind(0, [0.25, 0.22, 0.2]);
     robot.arms[0].effectors[0].friction = 1.0;
     common::cell(robot)
-}
-
-fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
-    Step {
-        instruction,
-        place: SourceLocation { line: instruction + 10, column: 1 },
-        phase: Phase::Move,
-        from: from.to_vec(),
-        to: to.to_vec(),
-        path: Path::PointToPoint,
-        speed_scaling: 1.0,
-        blend_radius: 0.0,
-        postures: None,
-        line_speed: None,
-        loaded: vec![A],
-        handoff: None,
-        slot: None,
-    }
 }
 
 /// Level, the arm bent, T from 0 to 1.2 rad; then back.
@@ -309,16 +292,6 @@ fn a_wall_between_two_samples_is_seen() {
     assert!((nearest.distance - 9.5e-3).abs() < 2e-4, "{}", nearest.distance);
 }
 
-/// Numbers from 0 to 1.
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// In along a straight line, a turn, and down while tilting.
 fn in_round_and_down(cell: &Cell) -> Trajectory {
     let from = vec![0.5, 0.5, 0.5, 0.3, 0.9];
@@ -340,7 +313,8 @@ fn in_round_and_down(cell: &Cell) -> Trajectory {
 
 #[test]
 fn least_distances_are_those_of_all_samples() {
-    let mut random = random(5);
+    let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[5; 32]);
+    let mut random = || generator.random::<f64>();
     let mut cell = cell();
     cell.loaded_effectors.clear();
     cell.clearance = 0.0;
@@ -443,7 +417,8 @@ fn waves(drop: f64, slope: f64) -> Droop {
 
 #[test]
 fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
-    let mut random = random(7);
+    let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
+    let mut random = || generator.random::<f64>();
     let mut cell = cell();
     cell.clearance = 0.0;
     let positions = [[-0.4, 1.1], [0.2, 0.25], [0.9, 0.6]].map(|[t, r]| [0.5, 0.5, 0.5, t, r]);
@@ -562,20 +537,10 @@ fn get(cell: &mut Cell, pitch: f64) -> Trajectory {
     let slot = SlotId { station: 0, slot: 2 };
     cell.loaded_effectors.clear();
     cell.stations = vec![Station {
-        name: "port".into(),
-        base_from_station,
-        origin: Origin::Nominal,
-        uncertainty: FrameUncertainty::UNKNOWN,
         slots: 3,
         pitch,
-        slot_step: [0.0; 2],
-        stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },
-        offset: [0.0; 3],
         retract_reach: 0.3,
-        via: Vec::new(),
-        approach: Approach::Radial,
-        effectors: vec![A],
-        process_time: 0.0,
+        ..common::station("port", base_from_station)
     }];
     cell.occupied = (1..=3).map(|slot| SlotId { station: 0, slot }).collect();
     let up = |height: f64, near: &[f64]| {

@@ -3,8 +3,8 @@
 use jointplay_core::spatial::Pose;
 use nalgebra::{Translation3, Vector2};
 
-use super::angle::rotation_about_z;
 use super::hybrid_robot::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
+use super::rotation_about_z::rotation_about_z;
 
 /// One number for each axis of an arm, in the order of [`ArmChain::axes`].
 pub(super) type ArmVector = [f64; MAX_JOINTS];

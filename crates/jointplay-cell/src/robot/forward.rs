@@ -4,9 +4,9 @@ use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Translation3, Vector3};
 
-use super::angle::rotation_about_z;
 use super::arm_chain::ArmChain;
 use super::hybrid_robot::{Arm, AxisKind, Effector, EffectorId, HybridRobot, RODS};
+use super::rotation_about_z::rotation_about_z;
 use crate::CellError;
 
 /// Poses of all links and wafers of a robot; bodies are rigid, nothing droops.

@@ -12,12 +12,11 @@
 //! | `reach` | range of distances that an effector reaches |
 //! | `inverse` | axis positions for the plane, centre and heading of a wafer |
 //! | `positions` | positions of all axes without allocation |
-//! | `angle` | wrapped angles, rotations about z |
+//! | `rotation_about_z` | rotations about z |
 //!
 //! Bodies are rigid here; [`wafer`](crate::wafer) adds droop and sag.
 
 mod acceleration;
-mod angle;
 mod arm_chain;
 mod cache_key;
 mod forward;
@@ -27,10 +26,10 @@ mod jacobian;
 mod model;
 mod positions;
 mod reach;
+mod rotation_about_z;
 mod validate;
 
 pub use acceleration::{AxesMotion, FrameMotion};
-pub(crate) use angle::wrap_angle;
 pub(crate) use arm_chain::ArmChain;
 pub use forward::{ChainPose, EffectorDisplacement};
 pub use hybrid_robot::{

@@ -1,13 +1,13 @@
 //! Paths of all axes on which a wafer's centre moves along a straight line and its plane rotates uniformly.
 
-use jointplay_core::spatial::{Pose, heading};
+use jointplay_core::spatial::{Pose, heading, wrap_angle};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::quintic_interpolation::resampled_spline;
 use super::spline::Spline;
 use crate::CellError;
 use crate::program::LinePostures;
-use crate::robot::{ArmChain, EffectorJacobian, PosturePath, wrap_angle};
+use crate::robot::{ArmChain, EffectorJacobian, PosturePath};
 use crate::wafer::Unreachable;
 
 /// A straight line of a wafer, and the axes that follow it.

@@ -96,14 +96,19 @@ impl Work<'_, '_> {
             Some(first_step) if self.options.max_iterations > 0 => {
                 let polynomials = self.polynomials;
                 let task = Task { first_step: Some(&first_step), polynomials, ..task };
-                match task.solver {
-                    Solver::Newton => self.by_method::<M, Newton>(task),
-                    Solver::LeastNorm => match polynomials.map(JointPolynomials::order) {
-                        Some(Order::Three) => self.by_method::<M, ByPolynomials<3>>(task),
-                        Some(Order::Four) => self.by_method::<M, ByPolynomials<4>>(task),
-                        None => self.by_method::<M, LeastNorm>(task),
-                    },
-                    Solver::ClosedForm => self.by_method::<M, ClosedForm>(task),
+                // What a model never asks for is not compiled for it.
+                match (task.solver, polynomials.map(JointPolynomials::order)) {
+                    (Solver::Newton, _) => self.by_method::<M, Newton>(task),
+                    (Solver::ClosedForm, _) if M::CLOSED_FORM => {
+                        self.by_method::<M, ClosedForm>(task)
+                    }
+                    (_, Some(Order::Three)) if M::SETTLES => {
+                        self.by_method::<M, ByPolynomials<3>>(task)
+                    }
+                    (_, Some(Order::Four)) if M::SETTLES => {
+                        self.by_method::<M, ByPolynomials<4>>(task)
+                    }
+                    _ => self.by_method::<M, LeastNorm>(task),
                 }
             }
             _ => self.one_by_one(0..self.status.len()),
@@ -263,6 +268,8 @@ struct Needs {
     residual: bool,
     iterations: bool,
     pose: bool,
+    /// Angles of the tilt, or the height.
+    coordinates: bool,
     azimuth: bool,
     tilt_angle: bool,
     torsion: bool,
@@ -278,13 +285,15 @@ impl Needs {
         let torsion = any(|q| q == Quantity::Torsion);
         let axis_height = any(|q| q == Quantity::AxisHeight);
         let pose = any(|q| matches!(q, Quantity::Origin(_) | Quantity::Normal(_)));
+        let coordinates = azimuth || tilt_angle || axis_height;
         Self {
             sides: any(|q| matches!(q, Quantity::Side(_))),
             displacement: any(|q| q == Quantity::Displacement),
             ball_displacements: any(|q| matches!(q, Quantity::BallDisplacement(_))),
             residual: any(|q| q == Quantity::Residual),
             iterations: any(|q| q == Quantity::Iterations),
-            pose: pose || azimuth || tilt_angle || torsion || axis_height,
+            pose: pose || coordinates || torsion,
+            coordinates,
             azimuth,
             tilt_angle,
             torsion,
@@ -362,29 +371,50 @@ fn fill<S: Simd, M: Model>(
             values[place(Quantity::Origin(axis))] = placed.origin[axis];
             values[place(Quantity::Normal(axis))] = placed.normal[axis];
         }
-        if needs.azimuth {
-            values[place(Quantity::Azimuth)] = placed.azimuth();
-        }
-        if needs.tilt_angle {
-            values[place(Quantity::TiltAngle)] = placed.tilt_angle();
-        }
         if needs.torsion {
             values[place(Quantity::Torsion)] = placed.torsion();
         }
-        if needs.axis_height {
-            values[place(Quantity::AxisHeight)] = placed.axis_height();
+        if needs.coordinates {
+            let values = &mut *values;
+            zero.outlined(
+                #[inline(always)]
+                move || fill_coordinates(values, needs, &placed),
+            );
         }
     }
     if needs.sensitivity {
-        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
-        let (singular_values, orthogonal) =
-            singular_values::sensitivity::<S, M>(task, balls, &shape);
+        let (balls, a, b) = (*balls, found.a, found.b);
+        let (singular_values, orthogonal) = zero.outlined(
+            #[inline(always)]
+            move || {
+                let shape = Shape::at::<M>(task.geometry, a, b);
+                singular_values::sensitivity::<S, M>(task, &balls, &shape)
+            },
+        );
         for (index, value) in singular_values.into_iter().enumerate() {
             values[place(Quantity::Sensitivity(index))] = value;
         }
         certain = orthogonal;
     }
     certain
+}
+
+/// Angles of the tilt, and the height.
+#[inline(always)]
+fn fill_coordinates<S: Simd>(
+    values: &mut [Lanes<S>; PLACES],
+    needs: &Needs,
+    placed: &PlatformPoses<S>,
+) {
+    if needs.azimuth {
+        values[place(Quantity::Azimuth)] = placed.azimuth();
+    }
+    if needs.tilt_angle {
+        values[place(Quantity::TiltAngle)] = placed.tilt_angle();
+    }
+    if needs.axis_height {
+        values[place(Quantity::AxisHeight)] = placed.axis_height();
+    }
 }
 
 #[inline(always)]

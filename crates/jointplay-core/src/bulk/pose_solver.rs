@@ -54,16 +54,21 @@ impl PoseSolver {
             first_step: FirstStep::new(gpr.platform(), model, characteristic_length),
             polynomials: None,
         };
-        let task = match virtualization {
-            BuiltIn::Radial => solver.task::<kernel::Radial>(),
-            BuiltIn::Polar => solver.task::<kernel::Polar>(),
-            BuiltIn::Offset => solver.task::<kernel::Offset>(),
-            BuiltIn::Planar => solver.task::<kernel::Planar>(),
+        let smooth = match virtualization {
+            BuiltIn::Radial => solver.has_polynomials::<kernel::Radial>(),
+            BuiltIn::Polar => solver.has_polynomials::<kernel::Polar>(),
+            BuiltIn::Offset => solver.has_polynomials::<kernel::Offset>(),
+            BuiltIn::Planar => solver.has_polynomials::<kernel::Planar>(),
         };
-        if task.solver == Solver::LeastNorm {
+        if smooth {
             solver.polynomials = solver.interpolated();
         }
         Ok(solver)
+    }
+
+    /// Whether the virtual joints are least displacements that polynomials can stand for.
+    fn has_polynomials<M: Model>(&self) -> bool {
+        M::SETTLES && self.task::<M>().solver == Solver::LeastNorm
     }
 
     /// The virtual joints as polynomials.

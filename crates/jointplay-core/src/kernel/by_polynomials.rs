@@ -18,17 +18,13 @@ impl<const N: usize> Method for ByPolynomials<N> {
     #[inline(always)]
     fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         let Some(polynomials) = task.polynomials else {
-            return LeastNorm::found::<S, M>(task, balls);
+            return LeastNorm::outlined::<S, M>(task, balls);
         };
         let found = polynomials.found::<S, M, N>(task, balls);
         if found.met.all() {
             return found;
         }
-        let other = balls.mean.outlined(
-            #[inline(always)]
-            || LeastNorm::found::<S, M>(task, balls),
-        );
-        found.completed_by(&other)
+        found.completed_by(&LeastNorm::outlined::<S, M>(task, balls))
     }
 }
 

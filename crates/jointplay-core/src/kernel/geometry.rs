@@ -109,8 +109,7 @@ impl<'a> Task<'a> {
         characteristic_length: f64,
     ) -> Self {
         let weight = characteristic_length * characteristic_length;
-        // Planar, and radial where the sockets are 120° apart.
-        let has_closed_form = !M::TOWARD_SOCKET || (!M::ACROSS && geometry.equally_spaced);
+        let has_closed_form = M::CLOSED_FORM && (!M::TOWARD_SOCKET || geometry.equally_spaced);
         Self {
             geometry,
             solver: match options.solver {

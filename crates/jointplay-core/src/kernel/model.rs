@@ -12,6 +12,10 @@ pub(crate) trait Model: Copy {
     const FROM_SOCKET: bool;
     /// Whether directions are those toward the sockets, or e_p1.
     const TOWARD_SOCKET: bool;
+    /// Whether a closed form may exist: for radial coordinates where the sockets are 120° apart.
+    const CLOSED_FORM: bool = !Self::TOWARD_SOCKET || !Self::ACROSS;
+    /// Whether the least displacement is found to round-off, so that polynomials can stand for it.
+    const SETTLES: bool = !(Self::TURNS && Self::FROM_SOCKET);
     /// Whether coordinates are polar: angles turn the sockets about O_p.
     const AROUND_CENTER: bool = Self::TURNS && !Self::FROM_SOCKET;
 }

@@ -52,8 +52,10 @@ impl Solved {
         let balls = Balls::new(geometry, rods);
         // Nothing else is compiled with polynomials, whose numbers would be kept in memory for it.
         let found = match task.polynomials {
-            Some(polynomials) => polynomials.found_by_order::<Scalar, M>(task, &balls),
-            None => solved::<Scalar, M>(task, &balls),
+            Some(polynomials) if M::SETTLES => {
+                polynomials.found_by_order::<Scalar, M>(task, &balls)
+            }
+            _ => solved::<Scalar, M>(task, &balls),
         };
         let upright = balls.mean.like(0.0).below(found.area * geometry.base_area);
         // Steeper triangles are slender: round-off in their sides is large in their corners.

@@ -92,8 +92,17 @@ pub(crate) fn sin_cos_of_step<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) 
     if small.all() {
         return (sine, cosine);
     }
-    let (any_sine, any_cosine) = sin_cos(angle);
+    let (any_sine, any_cosine) = outlined_sin_cos(angle);
     (small.select(sine, any_sine), small.select(cosine, any_cosine))
+}
+
+/// [`sin_cos`] in one place for all rare cases.
+#[inline(always)]
+fn outlined_sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    angle.outlined(
+        #[inline(always)]
+        move || sin_cos(angle),
+    )
 }
 
 /// Sines and versines, 1 − cos, of three angles that are mostly far below 1/32 (rad).
@@ -115,7 +124,7 @@ pub(crate) fn sin_cos_of_steps<S: Simd>(angles: [Lanes<S>; 3]) -> ([Lanes<S>; 3]
     let small = a.max(b).max(c).at_most(a.like(1.0 / 1024.0));
     if !small.all() {
         for k in 0..3 {
-            let (sine, cosine) = sin_cos(angles[k]);
+            let (sine, cosine) = outlined_sin_cos(angles[k]);
             sines[k] = small.select(sines[k], sine);
             versines[k] = small.select(versines[k], a.like(1.0) - cosine);
         }
@@ -189,7 +198,13 @@ pub(crate) fn small_angle_of<S: Simd>(sine: Lanes<S>, cosine: Lanes<S>) -> Lanes
     if small.all() {
         return angle;
     }
-    small.select(angle, angle_of(sine, cosine))
+    small.select(
+        angle,
+        sine.outlined(
+            #[inline(always)]
+            move || angle_of(sine, cosine),
+        ),
+    )
 }
 
 /// The angle of a vector (x, y) of finite numbers, from −π to π; zero for no vector at all (rad).

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use super::FrameId;
 use crate::Error;
 use crate::error::finite;
-use crate::spatial::Pose;
+use crate::spatial::{Pose, nearest_angle};
 
 /// Largest tilt of the z axis from its direction at home, at which its coordinates are still regular: 80° (rad).
 const MOST_TILT: f64 = 80.0 * TAU / 360.0;
@@ -98,7 +98,7 @@ impl MeasuredPath {
             for (k, &angle) in angles.iter().enumerate() {
                 // As many full turns as before.
                 let before = points.last().map_or(0.0, |before| before[3 + k]);
-                point[3 + k] = angle + ((before - angle) / TAU).round() * TAU;
+                point[3 + k] = nearest_angle(angle, before);
             }
             points.push(point);
         }

@@ -17,6 +17,7 @@ use crate::Error;
 use crate::constraint::{Dimension, System, scaled_jacobian, units};
 use crate::linalg::svd;
 use crate::random::Random;
+use crate::spatial::nearest_angle;
 
 /// Corrections tried from one start.
 const MAX_ITERATIONS: usize = 60;
@@ -93,7 +94,7 @@ fn clamp(coordinates: &mut DVector<f64>, free: &[usize], limits: &[Option<[f64; 
     }
 }
 
-/// What corrections from one start lead to.
+/// Result of corrections from one start.
 struct Attempt {
     closure: Option<Closure>,
     /// Whether an angle that was put on its limit is within the limits a turn away.
@@ -203,7 +204,7 @@ impl<'a> Search<'a> {
             }
             let mut coordinates = found.coordinates;
             for &k in self.turns.iter().filter(|k| free.contains(k)) {
-                coordinates[k] = turned(k, self.nearest_turn(k, coordinates[k]));
+                coordinates[k] = turned(k, nearest_angle(coordinates[k], self.system.home()[k]));
             }
             let mechanism = self.system.kinematics().mechanism();
             let beyond = mechanism.beyond_limits(&coordinates);
@@ -219,11 +220,6 @@ impl<'a> Search<'a> {
             from = coordinates;
         }
         Ok(Attempt { closure: None, can_turn })
-    }
-
-    /// The same angle nearest the guess.
-    fn nearest_turn(&self, k: usize, angle: f64) -> f64 {
-        angle - ((angle - self.system.home()[k]) / TAU).round() * TAU
     }
 
     /// The same angle within its limits, if it is there at this turn, the next or the last.

@@ -1,8 +1,11 @@
 //! Shift of the platform's centre.
 
+use std::f64::consts::FRAC_PI_2;
+
 use jointplay::Error;
 use jointplay::gpr::Gpr;
 use jointplay::plot::{Axis, Colour, Curve, Dash, Figure, Model, Panel, Point, Style, model_style};
+use jointplay::spatial::nearest_angle;
 use jointplay::virtualization::{Metric, Offset, Planar, Polar, Radial, Solver, Virtualization};
 use jointplay_validation::cases::{HEIGHT, RADIUS, pose, tilt};
 use jointplay_validation::centers::{centroid, circumcenter, fermat_point};
@@ -13,7 +16,7 @@ use crate::{by_decades, evenly};
 
 const UM: f64 = 1e-6;
 
-/// What decides where the centre lies, and how the figures show it.
+/// Models that determine the position of the centre, with their styles in the figures.
 fn models() -> [(&'static str, &'static dyn Virtualization, Solver, Style); 4] {
     let (newton, closed) = (Solver::Newton, Solver::ClosedForm);
     [
@@ -118,12 +121,11 @@ fn azimuths_deg(shifts: impl Iterator<Item = Vector2<f64>>) -> Vec<f64> {
     let mut last: Option<f64> = None;
     shifts
         .map(|shift| {
-            let mut azimuth = shift.y.atan2(shift.x).to_degrees();
             // The first one in −90°…270°, so that round-off does not throw 180° to −180°.
-            let near = last.unwrap_or(90.0);
-            azimuth -= 360.0 * ((azimuth - near) / 360.0).round();
+            let near = last.unwrap_or(FRAC_PI_2);
+            let azimuth = nearest_angle(shift.y.atan2(shift.x), near);
             last = Some(azimuth);
-            azimuth
+            azimuth.to_degrees()
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! Inverse kinematics of the whole chain: rods from the plane, height from the arm's plane, motors from the point within it.
 
 use jointplay_core::gpr::PlatformPose;
-use jointplay_core::spatial::{Pose, Tilt};
+use jointplay_core::spatial::{Pose, Tilt, wrap_angle};
 use nalgebra::{Translation3, Vector2, Vector3};
 
 use super::closed_form::PairSolutions;
@@ -14,7 +14,6 @@ use super::solution::{
     ReachDirection, Redundancy, WaferTarget,
 };
 use crate::CellError;
-use crate::robot::angle::wrap_angle;
 use crate::robot::arm_chain::turned;
 use crate::robot::arm_chain::{ArmChain, ArmVector};
 use crate::robot::hybrid_robot::{EffectorId, HybridRobot, RODS};

@@ -1,10 +1,10 @@
 //! Arms without a closed form: Newton's method from several starts.
 
 use jointplay_core::linalg::least_norm_of_three;
+use jointplay_core::spatial::wrap_angle;
 use nalgebra::{Vector2, Vector3};
 
 use super::revolutions::Ranges;
-use crate::robot::angle::wrap_angle;
 use crate::robot::arm_chain::{ArmChain, ArmVector};
 
 /// Number of starts along each axis, between its limits.

@@ -1,12 +1,11 @@
 //! Residuals of positions with respect to a target, and Newton's method on the whole chain.
 
 use jointplay_core::linalg::svd;
-use jointplay_core::spatial::{Pose, tilt_rotation};
+use jointplay_core::spatial::{Pose, tilt_rotation, wrap_angle};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::solution::WaferTarget;
 use crate::CellError;
-use crate::robot::angle::wrap_angle;
 use crate::robot::hybrid_robot::{EffectorId, HybridRobot};
 use crate::robot::positions::Positions;
 

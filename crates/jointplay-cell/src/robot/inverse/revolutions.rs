@@ -3,6 +3,7 @@
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
+use jointplay_core::spatial::nearest_angle;
 use nalgebra::Vector4;
 
 use super::decomposition::{Decomposition, Pair};
@@ -48,13 +49,13 @@ impl Decomposition {
         let mut wrapped = *unknown;
         for (r, (wrapped, seed)) in wrapped.iter_mut().zip(seed).enumerate() {
             if r != 1 || matches!(self.pair, Pair::Links(_)) {
-                *wrapped += TAU * ((seed - *wrapped) / TAU).round();
+                *wrapped = nearest_angle(*wrapped, *seed);
             }
         }
         if let Pair::Belt(..) = self.pair {
-            // The third link rotates by the mean: both unknowns change by one revolution, or one of them by two.
+            // The third link rotates by the mean: both unknowns change by one revolution, or one of them by two, its half by one.
             let other = unknown[1] + wrapped[0] - unknown[0];
-            wrapped[1] = other + 2.0 * TAU * ((seed[1] - other) / (2.0 * TAU)).round();
+            wrapped[1] = 2.0 * nearest_angle(0.5 * other, 0.5 * seed[1]);
         }
         wrapped
     }

@@ -1,7 +1,5 @@
 //! Parts of Newton's iteration for positions: where the loops are open, by how much joints change that, and a step.
 
-use std::f64::consts::TAU;
-
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::elimination::larger;
@@ -11,7 +9,7 @@ use super::unknown::CoupledRow;
 use super::walk::Turned;
 use crate::mechanism::ReliefSolver;
 use crate::mechanism::kinematics::{cayley, skew_part};
-use crate::spatial::rotation_vector;
+use crate::spatial::{nearest_angle, rotation_vector};
 
 impl PositionSolver {
     /// Turns all balls to their coordinates, and forgets earlier turns.
@@ -153,8 +151,7 @@ impl PositionSolver {
                     let x = second.axis(0);
                     let angle = first.axis(1).dot(&x).atan2(first.axis(0).dot(&x));
                     // As many full turns as the start had.
-                    let turns = ((coordinates[hinge] - angle) / TAU).round();
-                    coordinates[hinge] = angle + turns * TAU;
+                    coordinates[hinge] = nearest_angle(angle, coordinates[hinge]);
                 }
                 Meeting::Frames => {}
             }
