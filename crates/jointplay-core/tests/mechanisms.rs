@@ -102,13 +102,13 @@ fn the_robot_as_a_mechanism() {
         tilted[4 * k] = q;
     }
     let free: Vec<usize> = (0..tilted.len()).filter(|k| ![0, 4, 8].contains(k)).collect();
-    let closed = close(&system.at(tilted).unwrap(), &free, 50).unwrap();
+    let closed = close(&system.with_home(tilted).unwrap(), &free, 50).unwrap();
     assert!(closed.is_closed(), "{closed:?}");
     for (k, expected) in [93.303230751, 93.218, 93.218].into_iter().enumerate() {
         let l = (RADIUS + closed.coordinates[12 + k]) * 1e3;
         assert!((l - expected).abs() < 1e-8, "{l} {expected}");
     }
-    let there = system.at(closed.coordinates).unwrap();
+    let there = system.with_home(closed.coordinates).unwrap();
     let found = finite_mobility(&there, &there.at_home(), RANK_THRESHOLD).unwrap();
     assert_eq!((found.instantaneous.rank, found.instantaneous.mobility), (11, 1));
     assert_eq!(found.mobility, Some(1));
@@ -258,7 +258,7 @@ fn motion_from_a_dead_point_starts_in_one_direction_only() {
     let drives = [Drive { coordinate: 3, to: 3.0 }];
     let dead =
         drive(&system, &drives, &[0, 1, 2], 60).unwrap().waypoints.pop().unwrap().coordinates;
-    let there = system.at(dead).unwrap();
+    let there = system.with_home(dead).unwrap();
     let on = [Drive { coordinate: 3, to: there.home()[3] + 0.1 }];
     let stuck = drive(&there, &on, &[0, 1, 2], 5).unwrap();
     assert_eq!(stuck.stopped, Some(Stop::SingularStart { free_mobility: 1 }));
@@ -281,7 +281,7 @@ fn a_step_may_end_in_a_crossing_and_a_motion_may_start_there() {
     assert_eq!(motion.stopped, None);
     assert_eq!((motion.singular[0].share, motion.singular[0].branches), (0.0, Some(2)));
     // From one side to the other, with a step that ends in the crossing.
-    let side = system.at(motion.waypoints[10].coordinates.clone()).unwrap();
+    let side = system.with_home(motion.waypoints[10].coordinates.clone()).unwrap();
     let across = drive(&side, &[Drive { coordinate: 0, to: -1.0 }], &[1, 2, 3], 10).unwrap();
     assert_eq!(across.stopped, None);
     assert_eq!(across.singular.len(), 1, "{:?}", across.singular);
@@ -405,7 +405,7 @@ fn closed_form_and_general_mechanism_agree_on_the_robot() {
                     assert!((a - b).abs() < 2e-12, "{context}: {x:?} {}", found.virtual_joints);
                 }
             }
-            let at = system.at(found.coordinates).unwrap();
+            let at = system.with_home(found.coordinates).unwrap();
             let platform = at.kinematics().link_poses(at.home()).unwrap()[4];
             let off = platform.to_homogeneous() - expected.base_from_platform.to_homogeneous();
             assert!(off.amax() < 1e-11, "{context} {off}");

@@ -62,9 +62,9 @@ pub fn assemble(
     }
     let near_guess = best.clone();
     let (branches, best) = search(&system, &free, starts, best)?;
-    let mut loops = open_loops(&system.at(best.coordinates.clone())?);
+    let mut loops = open_loops(&system.with_home(best.coordinates.clone())?);
     loops.sort_by(|a, b| b.mismatch.total_cmp(&a.mismatch));
-    let couplings = open_couplings(&system.at(best.coordinates.clone())?);
+    let couplings = open_couplings(&system.with_home(best.coordinates.clone())?);
     let nearest = nearest_closure(mechanism, start, held, starts)?;
     // The residual of a system at the closure itself, whose reference point and characteristic length differ from the guess's.
     let at_closure = |closure: Closure| {

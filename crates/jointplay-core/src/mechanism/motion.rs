@@ -190,7 +190,7 @@ impl<'a> DriveProblem<'a> {
 
     /// Scaled Jacobian of the coordinates that follow.
     fn jacobian(&self, coordinates: &DVector<f64>, of: &[usize]) -> Result<DMatrix<f64>, Error> {
-        let here = self.system.at(coordinates.clone())?;
+        let here = self.system.with_home(coordinates.clone())?;
         let jacobian = here.full_jacobian(&here.at_home()).select_columns(of);
         let columns = DVector::from_iterator(of.len(), of.iter().map(|&k| self.columns[k]));
         Ok(scaled_jacobian(&jacobian, &self.rows, &columns))
@@ -228,7 +228,7 @@ impl<'a> DriveProblem<'a> {
         regular_rank: usize,
     ) -> Result<Option<Waypoint>, Error> {
         let by = self.predicted(here, tangent_at, share)?;
-        let predicted = self.system.at(here.coordinates.clone())?.moved(&by)?;
+        let predicted = self.system.with_home(here.coordinates.clone())?.moved(&by)?;
         let closed = close(&predicted, self.free, MAX_CORRECTIONS)?;
         let correction = self.size(&(&closed.coordinates - predicted.home()));
         let size = self.size(&by);
@@ -267,7 +267,7 @@ impl<'a> DriveProblem<'a> {
     /// Displacement of the drives from here to a share of the path.
     fn driven(&self, here: &Waypoint, share: f64) -> DVector<f64> {
         let mut by = DVector::zeros(here.coordinates.len());
-        for (k, to) in self.path.at(share) {
+        for (k, to) in self.path.values_at(share) {
             by[k] = to - here.coordinates[k];
         }
         by
@@ -312,7 +312,7 @@ impl<'a> DriveProblem<'a> {
         let whole = self.size(&self.rate(start.share));
         let svd = self.decomposed(&start.coordinates)?;
         let motions = svd.null_space(svd.rank(STEP_THRESHOLD));
-        let from = self.system.at(start.coordinates.clone())?;
+        let from = self.system.with_home(start.coordinates.clone())?;
         let mut random = Random(5);
         for length in FIRST_STEPS {
             let share = if whole > 0.0 { (length / whole).min(target) } else { target };
@@ -351,7 +351,7 @@ impl<'a> DriveProblem<'a> {
         regular_rank: usize,
         motion: &mut DrivenMotion,
     ) -> Result<Stop, Error> {
-        let at = self.system.at(here.coordinates.clone())?;
+        let at = self.system.with_home(here.coordinates.clone())?;
         let start = trail.len() == 1;
         if start && here.free_mobility > 0 {
             let held = DrivenCurve::new(&at, self.free, None);
@@ -366,7 +366,7 @@ impl<'a> DriveProblem<'a> {
         if let Some((coordinates, beyond)) = curve.turning_point(regular_rank)?
             && beyond <= AT_ONCE * whole
         {
-            let there = self.system.at(coordinates)?;
+            let there = self.system.with_home(coordinates)?;
             let closed = Closure {
                 residual: there.mismatch(&there.at_home()),
                 coordinates: there.home().clone(),
@@ -396,7 +396,7 @@ impl<'a> DriveProblem<'a> {
         there: &Waypoint,
         regular_rank: usize,
     ) -> Result<SingularConfiguration, Error> {
-        let at = self.system.at(there.coordinates.clone())?;
+        let at = self.system.with_home(there.coordinates.clone())?;
         let curve = DrivenCurve::new(&at, self.free, Some(self.direction(there.share)));
         Ok(SingularConfiguration {
             share: there.share,

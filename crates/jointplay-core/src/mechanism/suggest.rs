@@ -302,7 +302,7 @@ fn possible_without_play(
         (0..home.home().len()).filter(|k| !commanded.coordinates().contains(k)).collect();
     let mut found = Vec::with_capacity(commands.len());
     for command in commands {
-        let start = home.at(commanded.start(command.iter().copied(), 0))?;
+        let start = home.with_home(commanded.start(command.iter().copied(), 0))?;
         let closed = close(&start, &free, MAX_CORRECTIONS)?;
         if !closed.is_closed() {
             return Ok(None);
