@@ -39,6 +39,7 @@ mod relieved_motion;
 mod self_stress;
 mod single_commands;
 mod singular;
+mod singular_search;
 mod small_commands;
 mod span;
 mod sparse;

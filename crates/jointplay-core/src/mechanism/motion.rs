@@ -21,12 +21,8 @@ const SHORT: f64 = 1e-9;
 pub(super) const LONGEST_STEP: f64 = 0.5;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 pub(super) const SHORTEST_STEP: f64 = 1e-7;
-/// Halvings of a step in the search for a singular configuration.
-const HALVINGS: usize = 3;
 /// Singular values up to this share of the largest are not used for a step.
 pub(super) const STEP_THRESHOLD: f64 = 1e-9;
-/// A singular configuration is looked for no closer than to this least singular value, as a share of the largest.
-const FOUND: f64 = 1e-3 * SINGULAR;
 /// A motion that stops with a least singular value below this share of that of regular configurations is at a dead point.
 pub(super) const DEAD: f64 = 1e-2;
 /// Distance of a turning point that stops a step, as a share of the whole path.
@@ -118,6 +114,7 @@ pub fn drive_along(
                     there = run.off_start(&here, target, regular_rank)?;
                 }
                 if there.is_none() {
+                    run.note_last_step(&trail, regular_rank, &mut motion.singular)?;
                     motion.stopped =
                         Some(run.stop(&mut here, &trail, regular_rank, &mut motion)?);
                     break 'path;
@@ -144,10 +141,13 @@ pub fn drive_along(
         motion.waypoints.push(here.clone());
         progress(k);
     }
-    if motion.stopped.is_some() && motion.waypoints.last() != Some(&here) {
+    if motion.stopped.is_none() {
+        run.note_last_step(&trail, regular_rank, &mut motion.singular)?;
+        if here.least_singular_value < SINGULAR && trail.len() > 1 {
+            motion.singular.push(run.singular(&here, regular_rank)?);
+        }
+    } else if motion.waypoints.last() != Some(&here) {
         motion.waypoints.push(here);
-    } else if motion.stopped.is_none() && here.least_singular_value < SINGULAR && trail.len() > 1 {
-        motion.singular.push(run.singular(&here, regular_rank)?);
     }
     Ok(motion)
 }
@@ -220,7 +220,7 @@ impl<'a> DriveProblem<'a> {
     ///
     /// # Arguments
     /// * `tangent_at` – where the direction of the step is taken
-    fn step(
+    pub(super) fn step(
         &self,
         here: &Waypoint,
         tangent_at: &Waypoint,
@@ -241,7 +241,7 @@ impl<'a> DriveProblem<'a> {
     }
 
     /// The configuration at a share of the path, in a step from a configuration before it, or in shorter ones.
-    fn reached(
+    pub(super) fn reached(
         &self,
         from: &Waypoint,
         share: f64,
@@ -391,13 +391,14 @@ impl<'a> DriveProblem<'a> {
     }
 
     /// A configuration that is singular, with what meets there.
-    fn singular(
+    pub(super) fn singular(
         &self,
         there: &Waypoint,
         regular_rank: usize,
     ) -> Result<SingularConfiguration, Error> {
         let at = self.system.with_home(there.coordinates.clone())?;
         let curve = DrivenCurve::new(&at, self.free, Some(self.direction(there.share)));
+        let branches = curve.branches(regular_rank)?;
         Ok(SingularConfiguration {
             share: there.share,
             coordinates: there.coordinates.clone(),
@@ -405,53 +406,5 @@ impl<'a> DriveProblem<'a> {
             least_singular_value: there.least_singular_value,
             branches: curve.branches(regular_rank)?,
         })
-    }
-
-    /// Looks into a dip of the least singular value between the last three steps.
-    fn note_singular(
-        &self,
-        trail: &[Waypoint],
-        regular_rank: usize,
-        found: &mut Vec<SingularConfiguration>,
-    ) -> Result<(), Error> {
-        let count = trail.len();
-        if count < 3 {
-            return Ok(());
-        }
-        let values = [3, 2, 1].map(|back| trail[count - back].least_singular_value);
-        if values[1] > values[0] || values[1] >= values[2] {
-            return Ok(());
-        }
-        let (mut low, mut high) = (trail[count - 3].share, trail[count - 1].share);
-        let mut least = trail[count - 2].clone();
-        // Moves along: from near, a step to the singular configuration is predicted well.
-        let mut base = trail[count - 3].clone();
-        for _ in 0..60 {
-            if least.least_singular_value < FOUND || high - low < 1e-12 {
-                break;
-            }
-            let shares = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-            let [Some(a), Some(b)] = [
-                self.reached(&base, shares[0], regular_rank, HALVINGS)?,
-                self.reached(&base, shares[1], regular_rank, HALVINGS)?,
-            ] else {
-                break;
-            };
-            if a.least_singular_value < b.least_singular_value {
-                high = shares[1];
-            } else {
-                low = shares[0];
-                base = a.clone();
-            }
-            for candidate in [a, b] {
-                if candidate.least_singular_value < least.least_singular_value {
-                    least = candidate;
-                }
-            }
-        }
-        if least.least_singular_value < SINGULAR {
-            found.push(self.singular(&least, regular_rank)?);
-        }
-        Ok(())
     }
 }
