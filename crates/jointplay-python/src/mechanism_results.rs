@@ -184,6 +184,7 @@ pub(crate) fn motion<'py>(
             instantaneous_mobility = there.instantaneous_mobility,
             least_singular_value = there.least_singular_value,
             branches = there.branches,
+            drives_reverse = there.drives_reverse,
         );
         skin::result(py, "SingularConfiguration", &fields)
     });

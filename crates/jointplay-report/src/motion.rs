@@ -108,6 +108,8 @@ pub struct SingularReport {
     pub least_singular_value: f64,
     /// Number of branches of the motion that meet here; `null` if second order does not determine it.
     pub branches: Option<usize>,
+    /// Whether the driven coordinates reverse on the only branch, as at a dead point, or continue; `null` if several branches meet, or it is undecided.
+    pub drives_reverse: Option<bool>,
     /// Values of all coordinates, by name.
     #[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, f64>))]
     pub coordinates: ByName<f64>,
@@ -137,6 +139,7 @@ pub fn motion(
         instantaneous_mobility: there.instantaneous_mobility,
         least_singular_value: there.least_singular_value,
         branches: there.branches,
+        drives_reverse: there.drives_reverse,
         coordinates: by_name(&coordinates, &there.coordinates),
     });
     let series = (0..coordinates.all().len()).map(|k| {

@@ -375,11 +375,22 @@ fn a_stopped_motion_reports_its_position() {
     assert!(run.stderr.contains("a dead point"), "{}", run.stderr);
     // That point is singular, and the last of the series.
     let there = &found["singular"][0];
-    assert_eq!(there["branches"], 1);
+    assert_eq!((&there["branches"], &there["drives_reverse"]), (&1.into(), &true.into()));
     assert_eq!(
         there["coordinates"]["D"],
         *found["series"]["D_deg"].as_array().unwrap().last().unwrap()
     );
+}
+
+#[test]
+fn drives_that_continue_on_the_only_branch_do_not_reverse() {
+    let sandbox = Sandbox::new();
+    // Flat at 115°, where the third crank admits no antiparallelogram.
+    let text = sandbox.done("move parallelogram --drive A1=100:130:5");
+    let line = "A1 = 115.000000 deg: instantaneous mobility 2, one branch, on which the driven coordinates continue";
+    assert!(text.contains(line), "{text}");
+    let ends = sandbox.json("move parallelogram --drive A1=0:115");
+    assert_eq!(ends["singular"][0]["drives_reverse"], false, "{ends}");
 }
 
 #[test]

@@ -404,7 +404,8 @@ impl<'a> DriveProblem<'a> {
             coordinates: there.coordinates.clone(),
             instantaneous_mobility: instantaneous_mobility(&at, &at.at_home(), SINGULAR)?.mobility,
             least_singular_value: there.least_singular_value,
-            branches: curve.branches(regular_rank)?,
+            branches: branches.count,
+            drives_reverse: branches.drives_reverse,
         })
     }
 }
