@@ -12,8 +12,8 @@ use jointplay::format::{robot, three_rods};
 use jointplay::interop::import;
 use jointplay::mechanism::{
     ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
-    close_at_rest, close_commanded, close_sparse, commanded_guess, pose_commanded,
-    relieve_commanded,
+    close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess,
+    is_same_configuration, pose_commanded, relieve_commanded,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -318,15 +318,23 @@ impl Input {
         close_sparse(&self.file.mechanism, commands).map_err(|error| self.unassembled(error))
     }
 
-    /// Closed configurations found from a number of other starts.
-    pub(crate) fn branches(
+    /// Closed configurations found from a number of other starts, except the assembled one.
+    pub(crate) fn other_branches(
         &self,
         commands: &[(usize, f64)],
         starts: usize,
+        assembled: &Closure,
     ) -> Result<Vec<Closure>, Failure> {
+        let mechanism = &self.file.mechanism;
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let start = commanded_guess(&self.file.mechanism, commands);
-        Ok(branches(&self.file.mechanism, &start, &held, starts)?)
+        let start = commanded_guess(mechanism, commands);
+        let mut others = Vec::new();
+        for branch in branches(mechanism, &start, &held, starts)? {
+            if !is_same_configuration(mechanism, &assembled.coordinates, &branch.coordinates)? {
+                others.push(branch);
+            }
+        }
+        Ok(others)
     }
 
     /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.

@@ -45,6 +45,20 @@ fn texts() {
     }
 }
 
+/// The limits of the last joint admit the configuration of the guess a turn farther only.
+#[test]
+fn the_assembled_configuration_is_not_listed_as_another_a_turn_away() {
+    let sandbox = Sandbox::new();
+    let four_bar = sandbox.done("catalogue show four-bar");
+    let limited = four_bar.replace("name = \"D\"\n", "name = \"D\"\nlimits = [360, 380]\n");
+    sandbox.write("test.toml", &limited);
+    let found = sandbox.json("assemble test.toml --at A=30 --branches 30");
+    let of_last = |found: &serde_json::Value| found["coordinates"]["D"].as_f64().unwrap();
+    assert!((of_last(&found["closed"]) - 373.382_367).abs() < 1e-6, "{found}");
+    let [other] = &found["branches"].as_array().unwrap()[..] else { panic!("{found}") };
+    assert!((of_last(other).rem_euclid(360.0) - 116.298_738).abs() < 1e-6, "{found}");
+}
+
 #[test]
 fn mobility_equals_that_of_the_catalogue() {
     let sandbox = Sandbox::new();

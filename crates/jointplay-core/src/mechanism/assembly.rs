@@ -117,6 +117,25 @@ pub fn branches(
     Ok(found)
 }
 
+/// Whether all links have the same poses in two configurations, up to the difference by which assembled configurations are distinguished.
+///
+/// Coordinates that differ by whole turns are the same configuration.
+///
+/// # Arguments
+/// * `a`, `b` – (f + M) coordinates (m, rad)
+///
+/// # Errors
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
+pub fn is_same_configuration(
+    mechanism: &Mechanism,
+    a: &DVector<f64>,
+    b: &DVector<f64>,
+) -> Result<bool, Error> {
+    let system = MechanismSystem::new(mechanism, a.clone())?;
+    super::kinematics::check_coordinates(b, a.len())?;
+    Ok(same(&system, a, b))
+}
+
 /// The loops at home, with the frames that do not meet.
 fn open_loops(system: &MechanismSystem<'_>) -> Vec<OpenLoop> {
     let mechanism = system.kinematics().mechanism();

@@ -55,7 +55,7 @@ mod virtual_candidates;
 mod virtual_sets;
 
 pub use crate::spatial::FrameTwist;
-pub use assembly::{assemble, branches, guess};
+pub use assembly::{assemble, branches, guess, is_same_configuration};
 pub use attached_frame::{AttachedFrame, FrameId};
 pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
 pub use closing::close;
