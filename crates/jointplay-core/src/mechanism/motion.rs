@@ -29,6 +29,10 @@ pub(super) const DEAD: f64 = 1e-2;
 const AT_ONCE: f64 = 1e-4;
 /// First steps off a singular start, in radians and characteristic lengths of the drives, the longest first.
 const FIRST_STEPS: [f64; 3] = [1e-3, 1e-4, 1e-5];
+/// Off a branch, the mismatch near a singular start is of second order in the displacement: a configuration whose mismatch is above this share of the squared displacement is on no branch, although the loops count as closed.
+const OFF_BRANCH: f64 = 1e-3;
+/// Mismatches up to this one are round-off of closed loops, in radians and characteristic lengths.
+const CLOSED_EXACTLY: f64 = 1e-13;
 /// Corrections of a first step, which starts where the constraints are singular.
 const MAX_FIRST_CORRECTIONS: usize = 100;
 /// A branch is reached from a singular start if a quarter of a step leads to no more than this share of the displacement: half where the displacement grows with the root of the step, a quarter where it is proportional to it.
@@ -109,7 +113,13 @@ pub fn drive_along(
             {
                 there = run.step(&here, before, share, regular_rank)?;
             }
-            if there.is_none() && 0.5 * step < SHORTEST_STEP {
+            let is_singular_start = trail.len() == 1 && here.free_mobility > 0;
+            if is_singular_start {
+                there = there.filter(|there| run.is_on_branch(&here, there));
+            }
+            // From a singular start, shorter steps would count as closed along any tangent.
+            let shortest = if is_singular_start { run.first_step(&here) } else { SHORTEST_STEP };
+            if there.is_none() && 0.5 * step < shortest {
                 if trail.len() == 1 {
                     there = run.off_start(&here, target, regular_rank)?;
                 }
@@ -302,6 +312,18 @@ impl<'a> DriveProblem<'a> {
         Ok(by)
     }
 
+    /// The longest of the first steps off a singular start, as a share of the path.
+    fn first_step(&self, start: &Waypoint) -> f64 {
+        let whole = self.size(&self.rate(start.share));
+        if whole > 0.0 { (FIRST_STEPS[0] / whole).max(SHORTEST_STEP) } else { SHORTEST_STEP }
+    }
+
+    /// Whether a configuration near a singular start is on a branch, and not only so near to the start that every tangent closes the loops.
+    fn is_on_branch(&self, start: &Waypoint, there: &Waypoint) -> bool {
+        let moved = self.size(&(&there.coordinates - &start.coordinates));
+        there.residual <= (OFF_BRANCH * moved * moved).max(CLOSED_EXACTLY)
+    }
+
     /// A configuration a small step off a singular start, on a branch that leads back to it.
     fn off_start(
         &self,
@@ -336,7 +358,10 @@ impl<'a> DriveProblem<'a> {
                 let Some((_, nearer)) = reach(0.25 * share)? else { continue };
                 if nearer <= NEARER * moved {
                     let there = self.decomposed(&closed.coordinates)?;
-                    return Ok(Some(self.waypoint(share, closed, &there, regular_rank)));
+                    let there = self.waypoint(share, closed, &there, regular_rank);
+                    if self.is_on_branch(start, &there) {
+                        return Ok(Some(there));
+                    }
                 }
             }
         }
