@@ -287,6 +287,11 @@ impl Input {
         Ok(closed)
     }
 
+    /// The configuration of the rigid links from which virtual joints are suggested.
+    pub(crate) fn nearly_assembled(&self) -> Result<Closure, Failure> {
+        close_nearly(&self.file.mechanism).map_err(|error| self.unassembled(error))
+    }
+
     /// A note of the distance from the guess, where corrections from it do not close the loops within the limits.
     fn note_search(&self, commands: &[(usize, f64)], closed: &Closure) {
         if !closed.is_searched {

@@ -251,6 +251,7 @@ pub(crate) fn suggestions<'py>(
     });
     let fields = fields!(py;
         needed = found.needed,
+        home_residual = found.home_residual,
         without_play = placed(&found.without_play),
         limits_broken = broken(&found.beyond_limits)?,
         sets = PyTuple::new(py, sets.collect::<PyResult<Vec<_>>>()?)?,

@@ -489,6 +489,8 @@ class Suggestions(Result):
 
     needed: bool
     """Whether the commands require play."""
+    home_residual: float
+    """Largest mismatch of the rigid links where the search starts, in radians and characteristic lengths; where they do not close, every set closes them too."""
     without_play: Floats
     """Joint coordinates without play for each command, shape (commands, f) [m, rad]; empty if the commands require play."""
     limits_broken: tuple[str, ...]

@@ -434,6 +434,31 @@ fn branches_of_different_dimension_are_reported() {
     assert!(!one.contains("branch_dimensions"));
 }
 
+/// The written joints close the loops by another computation, with the mismatch of the links included.
+#[test]
+fn suggested_joints_close_measured_links_too() {
+    let sandbox = Sandbox::new();
+    let copied = sandbox.done("catalogue show bennett").replace("b = 0.11\n", "b = 0.1101\n");
+    sandbox.write("measured.toml", &copied);
+    let found = sandbox.json("suggest measured.toml --write 1 --out play.toml");
+    assert_eq!(found["play_needed"], true);
+    let residual = found["home_residual"].as_f64().unwrap();
+    assert!((1e-4..1e-3).contains(&residual), "{residual}");
+    let set = &found["sets"][0];
+    let commanded = found["commands"][0][0].as_f64().unwrap();
+    let closed = sandbox.json(&format!("sensitivity play.toml --command J1={commanded}"));
+    assert_eq!(closed["size_unit"], "um");
+    let size_mm = 1e-3 * closed["size"].as_f64().unwrap();
+    assert!((size_mm / set["size_mm"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{closed}");
+    let text = sandbox.done("suggest measured.toml");
+    assert!(text.contains("rigid links do not close, by 1.7e-4"), "{text}");
+    // With the joints in the file, the search starts from the configuration that they close.
+    let again = sandbox.json("suggest play.toml");
+    assert_eq!(again["play_needed"], true);
+    // Exact dimensions have no residual in the report.
+    assert!(sandbox.json("suggest parallelogram --command A1=5")["home_residual"].is_null());
+}
+
 /// Bennett's linkage with a length of four digits: rigid and not closed exactly, mobile within a tolerance.
 #[test]
 fn near_misses_differ_from_open_loops() {

@@ -81,8 +81,8 @@ pub use mechanism_error::MechanismError;
 pub use motion::{drive, drive_along};
 pub use nearest::nearest_closure;
 pub use posing::{
-    Posed, close_at_rest, close_commanded, close_sparse, commanded_guess, pose_commanded,
-    relieve_commanded,
+    Posed, close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess,
+    pose_commanded, relieve_commanded,
 };
 pub use position::{
     ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, Position,
