@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::command::{CommandValue, Names};
 use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::explain::explain_unassembled;
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::{fixed, number};
 use jointplay::format::place;
@@ -386,7 +387,7 @@ impl Input {
             return Failure::NotAssembled(format::explain::explain(&error));
         }
         let Error::NotAssembled(found) = &error else { return error.into() };
-        let mut text = format::explain::explain(&error);
+        let mut text = explain_unassembled(found, self.coordinates.units());
         if found.near_miss().is_some() {
             text.push_str("\n  use --tolerance of assemble and mobility");
         }

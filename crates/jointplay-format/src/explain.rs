@@ -1,9 +1,9 @@
 //! Errors of the core as messages in mm and degrees.
 
-use jointplay_core::Error;
 use jointplay_core::gpr::{BrokenLimit, NotThreeRods};
 use jointplay_core::linalg::LinalgError;
 
+use crate::mechanism::Units;
 use crate::number::{number, rounded};
 use crate::units;
 
@@ -35,6 +35,20 @@ pub fn explain_recognition(name: &str, error: &NotThreeRods) -> String {
         _ => error.to_string(),
     };
     format!("{name} is not a three-rod robot: {reason}")
+}
+
+/// The message of loops that could not be closed, in the units of a mechanism file.
+#[must_use]
+pub fn explain_unassembled(found: &Unassembled, units: Units) -> String {
+    found.message(|distance, angle| {
+        format!(
+            "{} {} and {} {}",
+            rounded(units.length.from_meters(distance), 4),
+            units.length.name(),
+            rounded(units.angle.from_radians(angle), 4),
+            units.angle.name()
+        )
+    })
 }
 
 /// The message of an error, in mm and degrees.
@@ -98,6 +112,7 @@ pub fn explain(error: &Error) -> String {
             rounded(*residual, 3),
             number(*allowed)
         ),
+        Error::NotAssembled(found) => explain_unassembled(found, Units::MM),
         other => other.to_string(),
     }
 }

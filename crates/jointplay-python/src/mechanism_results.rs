@@ -1,6 +1,7 @@
 //! What is found of a mechanism, as results of Python.
 
 use jointplay::constraint::System as _;
+use jointplay::format::mechanism::LengthUnit;
 use jointplay::mechanism::{
     BeyondLimits, Carrier, Closure, DrivenMotion, Mechanism, MechanismMobility, MechanismSystem,
     MobilityClass, Relief, SparseMobility, Suggestions, VirtualJoint, VirtualMotion, link_motion,
@@ -56,7 +57,7 @@ pub(crate) fn mobility<'py>(
     let class = found.class();
     let stresses = self_stresses(system, first).map_err(failed)?;
     let length_mm = system.characteristic_length() * 1e3;
-    let carried = redundant_constraints(mechanism, &stresses, length_mm);
+    let carried = redundant_constraints(mechanism, &stresses, length_mm, LengthUnit::Meter);
     let carried = carried.iter().zip(&stresses.stresses).map(|(one, stress)| {
         let loads = one.remove_any_one_of.iter().zip(&stress.wrenches).map(|(load, wrench)| {
             let fields = fields!(py;

@@ -432,6 +432,7 @@ pub fn mechanism_mobility(
             mechanism,
             &stresses,
             mm(first.characteristic_length),
+            file.units.length,
         ),
         redundant_constraint_basis: RedundancyBasisReport::of(mechanism, &stresses),
         link_motions: ByName(link_motions),

@@ -713,6 +713,37 @@ fn links_that_do_not_fit_are_a_no() {
     );
     refused(&far, "mobility test.toml", 1, "the loops cannot be closed: best mismatch");
     refused(&far, "assemble test.toml", 1, "stays open by");
+    refused(&far, "suggest test.toml --command a=1", 1, "stays open by");
+}
+
+#[test]
+fn lengths_and_angles_are_in_the_units_of_the_file() {
+    let hinge = joint("a", "revolute", ["ground", "one"], [0.0; 3], Z);
+    let beyond = "[[joint]]\nname = \"b\"\nkind = \"revolute\"\nlinks = [\"ground\", \"one\"]\nframes = [{ point = [0, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }, { point = [3, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }]\n";
+    for (length, angle) in [("mm", "deg"), ("in", "rad")] {
+        let units = format!("units = {{ length = {length:?}, angle = {angle:?} }}");
+        let head = HEAD.replace("units = { length = \"mm\", angle = \"deg\" }", &units);
+        let open = format!("{head}{hinge}{beyond}");
+        refused(&open, "mobility test.toml", 1, &format!("are 3 {length} and "));
+        refused(&open, "mobility test.toml", 1, &format!(" {angle} apart"));
+    }
+    // An open chain of one crank.
+    let pin = joint("a", "revolute", ["ground", "one"], [100.0, 20.0, 0.0], Z);
+    for (length, axis) in [
+        ("mm", "rotation about an axis through (100.0000, 20.0000, 0.0000) mm"),
+        ("um", "rotation about an axis through (100.0, 20.0, 0.0) um"),
+        ("in", "rotation about an axis through (100.000000, 20.000000, 0.000000) in"),
+    ] {
+        let sandbox = Sandbox::new();
+        let head = HEAD.replace("\"mm\"", &format!("{length:?}"));
+        sandbox.write("test.toml", &format!("{head}{pin}"));
+        let text = sandbox.done("mobility test.toml");
+        assert!(text.contains(axis), "{text}");
+    }
+    let sandbox = Sandbox::new();
+    let text = sandbox.done("mobility bennett");
+    assert!(text.contains("lengths in units of 0.22 m\n"), "{text}");
+    assert!(text.contains(") m with a moment of "), "{text}");
 }
 
 #[test]
