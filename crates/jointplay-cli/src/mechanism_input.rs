@@ -294,21 +294,11 @@ impl Input {
     }
 
     /// A note of the distance from the guess, where corrections from it do not close the loops within the limits.
-    fn note_search(&self, commands: &[(usize, f64)], closed: &Closure) {
-        if !closed.is_searched {
-            return;
-        }
+    pub(crate) fn note_search(&self, commands: &[(usize, f64)], closed: &Closure) {
         let start = commanded_guess(&self.file.mechanism, commands);
-        let moved = report::largest_displacement(&self.file, &start, &closed.coordinates);
-        let moved = moved.map_or(String::new(), |moved| {
-            let k = moved.coordinate;
-            let value = fixed(moved.value, self.coordinates.decimals(k));
-            let unit = self.coordinates.unit(k);
-            format!("; farthest from the guess is {} by {value} {unit}", moved.name)
-        });
-        console::note(&format!(
-            "the loops do not close within the limits from the guess: using the nearest closed configuration found{moved}"
-        ));
+        if let Some(note) = report::search_note(&self.file, &start, closed) {
+            console::note(&note);
+        }
     }
 
     /// Whether the mechanism is small enough for dense algebra.

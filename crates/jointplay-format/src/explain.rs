@@ -2,6 +2,8 @@
 
 use jointplay_core::gpr::{BrokenLimit, NotThreeRods};
 use jointplay_core::linalg::LinalgError;
+use jointplay_core::mechanism::Unassembled;
+use jointplay_core::{Error, range_fault};
 
 use crate::mechanism::Units;
 use crate::number::{number, rounded};
@@ -59,7 +61,8 @@ pub fn explain(error: &Error) -> String {
             format!("{what} of limb {limb} is {} mm, but has to be positive", mm(*value))
         }
         Error::LimitsReversed { what, min, max } => {
-            format!("the {what} limits are reversed: least {} mm, most {} mm", mm(*min), mm(*max))
+            let fault = range_fault(*min, *max);
+            format!("the {what} limits are {fault}: least {} mm, most {} mm", mm(*min), mm(*max))
         }
         Error::OutOfRange { what, value, min, max, unit: "rad" } => {
             format!(
