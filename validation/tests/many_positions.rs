@@ -92,7 +92,7 @@ fn many_at_a_time_are_those_one_by_one() {
                         assert!(residuals[row] < 1e-11, "{name} {row}");
                     }
                     Err(error) => {
-                        assert_eq!(Some(status[row]), Status::of(&error), "{name} {row}");
+                        assert_eq!(Some(status[row]), Status::from_error(&error), "{name} {row}");
                         assert!(found.iter().all(|value| value.is_nan()), "{name} {row}");
                         assert!(residuals[row].is_nan(), "{name} {row}");
                         unreached += usize::from(status[row] == Status::NotConverged);

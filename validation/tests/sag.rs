@@ -63,7 +63,7 @@ fn arms_droop_as_the_boundary_value_problem_has_it() {
             ["stiffness", "mass_by_length", "load", "reach", "drop", "slope"]
                 .map(|column| row.number(column).unwrap());
         let droop = Droop::Cantilever { stiffness, mass_per_length };
-        let found = droop.at(reach, load, GRAVITY).unwrap();
+        let found = droop.deflection(reach, load, GRAVITY).unwrap();
         for (found, expected) in [(found.drop, drop), (found.slope, slope)] {
             let off = (found / expected - 1.0).abs();
             assert!(off <= OF_DROOP, "{load} {reach}: {found} is off by {off:e}");

@@ -6,8 +6,8 @@ use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::MechanismFile;
 use jointplay::mechanism::{
     Commands, Drive, DrivePath, LinearAndAngular, MechanismSystem, SuggestOptions, SuggestionRank,
-    drive_from, held_actuators, pose_commanded, single_commands, single_displacements,
-    small_commands,
+    close_nearly, drive_from, held_actuators, pose_commanded, single_commands,
+    single_displacements, small_commands,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, MotionReport, SuggestReport};
@@ -144,7 +144,7 @@ impl Suggest {
             let text = "the mechanism has too many loops for a search of virtual joints";
             return Err(Failure::input(text));
         }
-        let home = pose_commanded(mechanism, &[], None)?.closed.coordinates;
+        let home = close_nearly(&named.file.mechanism)?.coordinates;
         let commands = match self.commands(named)? {
             Some(commands) => commands,
             None => small_commands(mechanism, &home)?.ok_or_else(|| {

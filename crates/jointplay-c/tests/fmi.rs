@@ -25,7 +25,7 @@ impl Unit {
         let folder = format!("jointplay fmi ä {test} {}", std::process::id());
         let folder = std::env::temp_dir().join(folder);
         fs::create_dir_all(&folder).unwrap();
-        let resources = Resources::of(catalogue::find(name).unwrap().text);
+        let resources = Resources::for_model(catalogue::find(name).unwrap().text);
         for (file, text) in resources.files() {
             fs::write(folder.join(file), text).unwrap();
         }

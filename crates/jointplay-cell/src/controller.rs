@@ -99,7 +99,7 @@ impl Controller {
     ) -> Result<Execution, Refusal> {
         let plan = self.planner.plan_from(&self.cell, program, &self.state, options)?;
         match plan.report.result {
-            CheckResult::Passed => {
+            CheckResult::Passed | CheckResult::NoMotion => {
                 let (trajectory, report, end) = (plan.trajectory, plan.report, plan.end);
                 Ok(Execution { trajectory, report, end })
             }

@@ -1,5 +1,6 @@
 //! Errors of descriptions and of arguments.
 
+use jointplay_core::range_fault;
 use jointplay_core::spatial::Tilt;
 
 /// Invalid description of a robot, station or cell, or invalid argument. Lengths are in m, angles in rad.
@@ -39,7 +40,10 @@ pub enum CellError {
         unit: &'static str,
     },
     /// A lower limit is not below its upper limit.
-    #[error("the limits of {what} are reversed: least {min} {unit}, most {max} {unit}")]
+    #[error(
+        "the limits of {what} are {}: least {min} {unit}, most {max} {unit}",
+        range_fault(*.min, *.max)
+    )]
     LimitsReversed {
         /// Of what.
         what: String,

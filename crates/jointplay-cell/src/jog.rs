@@ -153,7 +153,7 @@ impl Cell {
         to: &WaferTarget,
     ) -> Result<JogOutcome, Unreachable> {
         let (pose, _) = self.wafer_pose_or_rigid(effector, from, loaded)?;
-        let start = WaferTarget::of(&pose);
+        let start = WaferTarget::from_pose(&pose);
         let path = |fraction: f64| WaferTarget {
             center: start.center.lerp(&to.center, fraction),
             normal: start.normal.lerp(&to.normal.normalize(), fraction),

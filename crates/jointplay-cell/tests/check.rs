@@ -295,7 +295,7 @@ fn a_wall_between_two_samples_is_seen() {
 /// In along a straight line, a turn, and down while tilting.
 fn in_round_and_down(cell: &Cell) -> Trajectory {
     let from = vec![0.5, 0.5, 0.5, 0.3, 0.9];
-    let mut target = WaferTarget::of(&cell.wafer_pose(A, &from, true).unwrap());
+    let mut target = WaferTarget::from_pose(&cell.wafer_pose(A, &from, true).unwrap());
     let out = (target.center.xy()).push(0.0).normalize();
     target.center -= out * 0.3;
     let reached = cell.compensated_inverse(A, &target, true, &from).unwrap().positions;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::command::{CommandValue, Names};
 use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::explain::explain_unassembled;
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::{fixed, number};
 use jointplay::format::place;
@@ -12,8 +13,8 @@ use jointplay::format::{robot, three_rods};
 use jointplay::interop::import;
 use jointplay::mechanism::{
     ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
-    close_at_rest, close_commanded, close_sparse, commanded_guess, pose_commanded,
-    relieve_commanded,
+    close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess,
+    is_same_configuration, pose_commanded, relieve_commanded,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -287,22 +288,17 @@ impl Input {
         Ok(closed)
     }
 
+    /// The configuration of the rigid links from which virtual joints are suggested.
+    pub(crate) fn nearly_assembled(&self) -> Result<Closure, Failure> {
+        close_nearly(&self.file.mechanism).map_err(|error| self.unassembled(error))
+    }
+
     /// A note of the distance from the guess, where corrections from it do not close the loops within the limits.
-    fn note_search(&self, commands: &[(usize, f64)], closed: &Closure) {
-        if !closed.is_searched {
-            return;
-        }
+    pub(crate) fn note_search(&self, commands: &[(usize, f64)], closed: &Closure) {
         let start = commanded_guess(&self.file.mechanism, commands);
-        let moved = report::largest_displacement(&self.file, &start, &closed.coordinates);
-        let moved = moved.map_or(String::new(), |moved| {
-            let k = moved.coordinate;
-            let value = fixed(moved.value, self.coordinates.decimals(k));
-            let unit = self.coordinates.unit(k);
-            format!("; farthest from the guess is {} by {value} {unit}", moved.name)
-        });
-        console::note(&format!(
-            "the loops do not close within the limits from the guess: using the nearest closed configuration found{moved}"
-        ));
+        if let Some(note) = report::search_note(&self.file, &start, closed) {
+            console::note(&note);
+        }
     }
 
     /// Whether the mechanism is small enough for dense algebra.
@@ -318,15 +314,23 @@ impl Input {
         close_sparse(&self.file.mechanism, commands).map_err(|error| self.unassembled(error))
     }
 
-    /// Closed configurations found from a number of other starts.
-    pub(crate) fn branches(
+    /// Closed configurations found from a number of other starts, except the assembled one.
+    pub(crate) fn other_branches(
         &self,
         commands: &[(usize, f64)],
         starts: usize,
+        assembled: &Closure,
     ) -> Result<Vec<Closure>, Failure> {
+        let mechanism = &self.file.mechanism;
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let start = commanded_guess(&self.file.mechanism, commands);
-        Ok(branches(&self.file.mechanism, &start, &held, starts)?)
+        let start = commanded_guess(mechanism, commands);
+        let mut others = Vec::new();
+        for branch in branches(mechanism, &start, &held, starts)? {
+            if !is_same_configuration(mechanism, &assembled.coordinates, &branch.coordinates)? {
+                others.push(branch);
+            }
+        }
+        Ok(others)
     }
 
     /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
@@ -373,7 +377,7 @@ impl Input {
             return Failure::NotAssembled(format::explain::explain(&error));
         }
         let Error::NotAssembled(found) = &error else { return error.into() };
-        let mut text = format::explain::explain(&error);
+        let mut text = explain_unassembled(found, self.coordinates.units());
         if found.near_miss().is_some() {
             text.push_str("\n  use --tolerance of assemble and mobility");
         }

@@ -54,7 +54,7 @@ impl Source {
 
     /// The kind that the file declares.
     pub(crate) fn kind(&self) -> Option<Kind> {
-        Kind::of(&self.text)
+        Kind::detect(&self.text)
     }
 
     /// Refuses a file that declares another kind.

@@ -5,6 +5,12 @@ use crate::gpr::BrokenLimits;
 use crate::linalg::LinalgError;
 use crate::virtualization::{Solver, VirtualJoints};
 
+/// The fault of limits whose least value is not below the greatest, for messages: "an empty range" where both are equal, "reversed" otherwise.
+#[must_use]
+pub fn range_fault(min: f64, max: f64) -> &'static str {
+    if min == max { "an empty range" } else { "reversed" }
+}
+
 /// Why a computation has no result. Lengths are in m, angles in rad.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -55,7 +61,7 @@ pub enum Error {
     )]
     OppositeSenses,
     /// A lower limit is not below its upper limit.
-    #[error("the {what} limits are reversed: least {min} m, most {max} m")]
+    #[error("the {what} limits are {}: least {min} m, most {max} m", range_fault(*.min, *.max))]
     LimitsReversed {
         /// Which limits.
         what: &'static str,

@@ -61,5 +61,5 @@ pub mod spatial;
 mod tolerance;
 pub mod virtualization;
 
-pub use error::{Error, Unconverged};
+pub use error::{Error, Unconverged, range_fault};
 pub use nalgebra;

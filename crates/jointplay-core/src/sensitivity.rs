@@ -79,7 +79,7 @@ pub fn sensitivity<S: System + ?Sized>(
 ) -> Result<Sensitivity, Error> {
     system.check(at)?;
     let scaled = Scaled::new(system, at, characteristic_length)?;
-    Sensitivity::of(
+    Sensitivity::from_jacobians(
         &scaled.of_virtual_joints,
         scaled.of_coordinates,
         characteristic_length,
@@ -113,7 +113,7 @@ pub fn commanded_sensitivity<S: System + ?Sized>(
     let follow = svd(&all.select_columns(&following))?;
     let open = follow.left_null_space(follow.rank(relative_threshold)).transpose();
     let scaled = Scaled::new(system, at, characteristic_length)?;
-    Sensitivity::of(
+    Sensitivity::from_jacobians(
         &(&open * scaled.of_virtual_joints),
         &open * scaled.of_coordinates.select_columns(commanded),
         characteristic_length,
@@ -157,7 +157,7 @@ impl Scaled {
 }
 
 impl Sensitivity {
-    fn of(
+    fn from_jacobians(
         of_virtual_joints: &DMatrix<f64>,
         constraint_jacobian: DMatrix<f64>,
         characteristic_length: f64,

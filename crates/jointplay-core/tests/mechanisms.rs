@@ -102,13 +102,13 @@ fn the_robot_as_a_mechanism() {
         tilted[4 * k] = q;
     }
     let free: Vec<usize> = (0..tilted.len()).filter(|k| ![0, 4, 8].contains(k)).collect();
-    let closed = close(&system.at(tilted).unwrap(), &free, 50).unwrap();
+    let closed = close(&system.with_home(tilted).unwrap(), &free, 50).unwrap();
     assert!(closed.is_closed(), "{closed:?}");
     for (k, expected) in [93.303230751, 93.218, 93.218].into_iter().enumerate() {
         let l = (RADIUS + closed.coordinates[12 + k]) * 1e3;
         assert!((l - expected).abs() < 1e-8, "{l} {expected}");
     }
-    let there = system.at(closed.coordinates).unwrap();
+    let there = system.with_home(closed.coordinates).unwrap();
     let found = finite_mobility(&there, &there.at_home(), RANK_THRESHOLD).unwrap();
     assert_eq!((found.instantaneous.rank, found.instantaneous.mobility), (11, 1));
     assert_eq!(found.mobility, Some(1));
@@ -249,6 +249,7 @@ fn a_rocker_locks_at_its_dead_point() {
     let [there] = &motion.singular[..] else { panic!("{:?}", motion.singular) };
     assert_eq!((there.share, &there.coordinates), (last.share, &last.coordinates));
     assert_eq!((there.instantaneous_mobility, there.branches), (1, Some(1)));
+    assert_eq!(there.drives_reverse, Some(true));
 }
 
 #[test]
@@ -258,7 +259,7 @@ fn motion_from_a_dead_point_starts_in_one_direction_only() {
     let drives = [Drive { coordinate: 3, to: 3.0 }];
     let dead =
         drive(&system, &drives, &[0, 1, 2], 60).unwrap().waypoints.pop().unwrap().coordinates;
-    let there = system.at(dead).unwrap();
+    let there = system.with_home(dead).unwrap();
     let on = [Drive { coordinate: 3, to: there.home()[3] + 0.1 }];
     let stuck = drive(&there, &on, &[0, 1, 2], 5).unwrap();
     assert_eq!(stuck.stopped, Some(Stop::SingularStart { free_mobility: 1 }));
@@ -281,7 +282,7 @@ fn a_step_may_end_in_a_crossing_and_a_motion_may_start_there() {
     assert_eq!(motion.stopped, None);
     assert_eq!((motion.singular[0].share, motion.singular[0].branches), (0.0, Some(2)));
     // From one side to the other, with a step that ends in the crossing.
-    let side = system.at(motion.waypoints[10].coordinates.clone()).unwrap();
+    let side = system.with_home(motion.waypoints[10].coordinates.clone()).unwrap();
     let across = drive(&side, &[Drive { coordinate: 0, to: -1.0 }], &[1, 2, 3], 10).unwrap();
     assert_eq!(across.stopped, None);
     assert_eq!(across.singular.len(), 1, "{:?}", across.singular);
@@ -308,10 +309,139 @@ fn a_parallelogram_passes_through_its_flat_bifurcation_in_any_number_of_steps() 
         let flat = &motion.singular[0];
         assert!((flat.share * 3.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-4);
         assert_eq!(flat.instantaneous_mobility, 2);
-        assert_eq!(flat.branches, Some(2));
+        assert_eq!((flat.branches, flat.drives_reverse), (Some(2), None));
         // Still a parallelogram beyond.
         let last = motion.waypoints.last().unwrap();
         assert!((last.coordinates[0] + last.coordinates[1]).abs() < 1e-9, "{}", last.coordinates);
+    }
+}
+
+/// The angle is measured from the upright crank: flat at −90°.
+#[test]
+fn a_crossing_within_the_only_step_or_an_outer_one_is_found() {
+    let mechanism = ring(
+        &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 0.0]],
+        &[[0.0, 0.0, 1.0]; 4],
+    );
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let degrees = |from: f64, to: f64, count: usize| {
+        let start =
+            drive(&system, &[Drive { coordinate: 0, to: from.to_radians() }], &[1, 2, 3], 10);
+        let start = start.unwrap().waypoints.pop().unwrap().coordinates;
+        let there = system.with_home(start).unwrap();
+        let drives = [Drive { coordinate: 0, to: to.to_radians() }];
+        let motion = drive(&there, &drives, &[1, 2, 3], count).unwrap();
+        assert_eq!((motion.stopped, motion.steps), (None, count), "{from} to {to}");
+        let found = motion.singular.iter();
+        found.map(|one| one.coordinates[0].to_degrees()).collect::<Vec<f64>>()
+    };
+    // Nearer to either end, and at equal distances from both.
+    for (from, to, count) in [
+        (-84.0, -96.0, 1),
+        (-88.0, -101.0, 1),
+        (-79.0, -92.0, 1),
+        (-88.0, -112.0, 2),
+        (-68.0, -92.0, 2),
+        (-56.0, -92.0, 3),
+        (-101.0, -88.0, 1),
+    ] {
+        let found = degrees(from, to, count);
+        let [flat] = found[..] else { panic!("{from} to {to} in {count}: {found:?}") };
+        assert!((flat + 90.0).abs() < 1e-3, "{from} to {to} in {count}: {flat}");
+    }
+    for (from, to, count) in [(-72.0, -85.0, 1), (-61.0, -85.0, 2), (-95.0, -108.0, 1)] {
+        assert_eq!(degrees(from, to, count), [0.0; 0], "{from} to {to} in {count}");
+    }
+}
+
+/// The third crank excludes the antiparallelogram: one branch continues where the constraints become dependent.
+#[test]
+fn drives_continue_through_the_flat_parallelogram_with_three_cranks() {
+    let (a, b) = (0.3, 0.7);
+    let [x, y] = [5.0_f64.to_radians().cos(), 5.0_f64.to_radians().sin()];
+    let [ground, first, second, third, coupler] = [0, 1, 2, 3, 4];
+    let z = [0.0, 0.0, 1.0];
+    let pin = |name: &str, links: [usize; 2], at: [f64; 3]| {
+        joint(name, JointKind::Revolute, links, at, z)
+    };
+    let joints = vec![
+        pin("A1", [ground, first], [0.0, 0.0, 0.0]),
+        pin("A2", [ground, second], [a, 0.0, 0.0]),
+        pin("A3", [ground, third], [b, 0.0, 0.0]),
+        pin("B1", [first, coupler], [x, y, 0.0]),
+        pin("B2", [second, coupler], [a + x, y, 0.0]),
+        pin("B3", [third, coupler], [b + x, y, 0.0]),
+    ];
+    let mechanism = Mechanism::new("three cranks", names(5), joints).unwrap();
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let drives = [Drive { coordinate: 0, to: -0.4 }];
+    let motion = drive(&system, &drives, &[1, 2, 3, 4, 5], 7).unwrap();
+    assert_eq!(motion.stopped, None);
+    let [flat] = &motion.singular[..] else { panic!("{:?}", motion.singular) };
+    assert!((flat.coordinates[0] + 5.0_f64.to_radians()).abs() < 1e-6);
+    assert_eq!((flat.branches, flat.drives_reverse), (Some(1), Some(false)));
+}
+
+/// Cranks of length 1 in a row along x, each joined to the next by a coupler of its own, or all by one.
+#[expect(clippy::cast_precision_loss, reason = "small counts")]
+fn flat_row(loops: usize, gap: f64, has_one_coupler: bool) -> Mechanism {
+    let z = [0.0, 0.0, 1.0];
+    let mut joints = Vec::new();
+    let mut pin = |links: [usize; 2], x: f64| {
+        let name = format!("j{}", joints.len());
+        joints.push(joint(&name, JointKind::Revolute, links, [x, 0.0, 0.0], z));
+    };
+    let crank = |k: usize| 1 + k;
+    for k in 0..=loops {
+        pin([0, crank(k)], gap * k as f64);
+    }
+    for k in 0..loops {
+        let coupler = 2 + loops + if has_one_coupler { 0 } else { k };
+        if k == 0 || !has_one_coupler {
+            pin([crank(k), coupler], 1.0 + gap * k as f64);
+        }
+        pin([crank(k + 1), coupler], 1.0 + gap * (k + 1) as f64);
+    }
+    let links = 2 + loops + if has_one_coupler { 1 } else { loops };
+    Mechanism::new("row", names(links), joints).unwrap()
+}
+
+/// Off the branches, loops count as closed only because the start is so near.
+#[test]
+fn motions_from_several_flat_parallelograms_lead_on_along_a_branch() {
+    for (loops, gap, has_one_coupler) in [
+        (1, 2.0, false),
+        (2, 2.0, false),
+        (2, 0.6, false),
+        (3, 2.0, false),
+        (4, 0.6, false),
+        (2, 2.0, true),
+        (3, 2.0, true),
+        (5, 0.6, true),
+    ] {
+        let case = format!("{loops} loops, gap {gap}, one coupler: {has_one_coupler}");
+        let mechanism = flat_row(loops, gap, has_one_coupler);
+        let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+        let free: Vec<usize> = (1..mechanism.joints().len()).collect();
+        for to in [0.3, -0.3, 1e-4] {
+            let motion = drive(&system, &[Drive { coordinate: 0, to }], &free, 6).unwrap();
+            assert_eq!(motion.stopped, None, "{case}, to {to}: {:?}", motion.waypoints.last());
+            assert_eq!(motion.singular[0].share, 0.0, "{case}");
+            let last = motion.waypoints.last().unwrap();
+            assert!(last.residual < 1e-13, "{case}, to {to}: {:e}", last.residual);
+            // With one coupler, all cranks stay parallel; with several, each pair is parallel or crossed, in closed form.
+            let angles = &last.coordinates.as_slice()[..=loops];
+            let is_parallel = |pair: &[f64]| (pair[1] - pair[0]).abs() < 1e-9;
+            let is_crossed = |pair: &[f64]| {
+                let [one, other] = [0, 1].map(|k: usize| (0.5 * pair[k]).tan());
+                (other - one * (1.0 + gap) / (1.0 - gap)).abs() < 1e-9 * (1.0 + other.abs())
+            };
+            let mut pairs = angles.windows(2);
+            assert!(
+                pairs.all(|pair| is_parallel(pair) || (!has_one_coupler && is_crossed(pair))),
+                "{case}, to {to}: {angles:?}"
+            );
+        }
     }
 }
 
@@ -405,7 +535,7 @@ fn closed_form_and_general_mechanism_agree_on_the_robot() {
                     assert!((a - b).abs() < 2e-12, "{context}: {x:?} {}", found.virtual_joints);
                 }
             }
-            let at = system.at(found.coordinates).unwrap();
+            let at = system.with_home(found.coordinates).unwrap();
             let platform = at.kinematics().link_poses(at.home()).unwrap()[4];
             let off = platform.to_homogeneous() - expected.base_from_platform.to_homogeneous();
             assert!(off.amax() < 1e-11, "{context} {off}");

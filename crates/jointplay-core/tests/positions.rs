@@ -27,7 +27,7 @@ fn four_bar() -> Mechanism {
 
 /// Largest mismatch of the loops, by the equations of the system.
 fn mismatch(system: &MechanismSystem<'_>, coordinates: &DVector<f64>) -> f64 {
-    let there = system.at(coordinates.clone()).unwrap();
+    let there = system.with_home(coordinates.clone()).unwrap();
     there.loop_residuals().into_iter().map(|(_, size)| size).fold(0.0, f64::max)
 }
 

@@ -103,7 +103,7 @@ proptest! {
             let system = MechanismSystem::new(&mechanism, start).unwrap();
             let commanded = CommandedJoints::new(&home, &coordinates).unwrap();
             let relief = relieve(&system, &commanded, ReliefSolver::LeastNorm).unwrap();
-            let at = system.at(relief.coordinates).unwrap();
+            let at = system.with_home(relief.coordinates).unwrap();
             let platform = at.kinematics().link_poses(at.home()).unwrap()[found.platform];
             let by_loops = found.link_from_base.inverse() * platform * found.link_from_platform;
             let off = (by_loops.to_homogeneous() - expected.base_from_platform.to_homogeneous()).amax();

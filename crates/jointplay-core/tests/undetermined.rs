@@ -73,7 +73,7 @@ fn nothing_nearer_home_closes_the_loops() {
     for heave in [-1e-2, -1e-4, -1e-6, 1e-6, 1e-4, 1e-2] {
         let mut at = found.coordinates.clone();
         RODS.iter().for_each(|&k| at[k] += heave);
-        let there = system.at(at.clone()).unwrap();
+        let there = system.with_home(at.clone()).unwrap();
         assert!(there.mismatch(&there.at_home()) < 1e-12);
         assert!(distance(&at) > distance(&found.coordinates), "{heave}");
     }

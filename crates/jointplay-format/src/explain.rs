@@ -1,9 +1,11 @@
 //! Errors of the core as messages in mm and degrees.
 
-use jointplay_core::Error;
 use jointplay_core::gpr::{BrokenLimit, NotThreeRods};
 use jointplay_core::linalg::LinalgError;
+use jointplay_core::mechanism::Unassembled;
+use jointplay_core::{Error, range_fault};
 
+use crate::mechanism::Units;
 use crate::number::{number, rounded};
 use crate::units;
 
@@ -37,6 +39,20 @@ pub fn explain_recognition(name: &str, error: &NotThreeRods) -> String {
     format!("{name} is not a three-rod robot: {reason}")
 }
 
+/// The message of loops that could not be closed, in the units of a mechanism file.
+#[must_use]
+pub fn explain_unassembled(found: &Unassembled, units: Units) -> String {
+    found.message(|distance, angle| {
+        format!(
+            "{} {} and {} {}",
+            rounded(units.length.from_meters(distance), 4),
+            units.length.name(),
+            rounded(units.angle.from_radians(angle), 4),
+            units.angle.name()
+        )
+    })
+}
+
 /// The message of an error, in mm and degrees.
 #[must_use]
 pub fn explain(error: &Error) -> String {
@@ -45,7 +61,8 @@ pub fn explain(error: &Error) -> String {
             format!("{what} of limb {limb} is {} mm, but has to be positive", mm(*value))
         }
         Error::LimitsReversed { what, min, max } => {
-            format!("the {what} limits are reversed: least {} mm, most {} mm", mm(*min), mm(*max))
+            let fault = range_fault(*min, *max);
+            format!("the {what} limits are {fault}: least {} mm, most {} mm", mm(*min), mm(*max))
         }
         Error::OutOfRange { what, value, min, max, unit: "rad" } => {
             format!(
@@ -98,6 +115,7 @@ pub fn explain(error: &Error) -> String {
             rounded(*residual, 3),
             number(*allowed)
         ),
+        Error::NotAssembled(found) => explain_unassembled(found, Units::MM),
         other => other.to_string(),
     }
 }

@@ -109,15 +109,15 @@ impl Unit {
     /// Converts an SI value to this unit with one multiplication, for columns of millions.
     #[must_use]
     #[inline]
-    pub fn of(self, si: f64) -> f64 {
+    pub fn from_si(self, si: f64) -> f64 {
         si * self.in_si()
     }
 
     /// Converts an SI value to this unit; prefers a decimal with few digits within round-off, as a user would type it.
     #[must_use]
     #[inline]
-    pub fn of_typed(self, si: f64) -> f64 {
-        let plain = self.of(si);
+    pub fn typed_from_si(self, si: f64) -> f64 {
+        let plain = self.from_si(si);
         let rounded = (plain * 1e9).round() / 1e9;
         let back = if self == Self::Degree { rounded.to_radians() } else { rounded / self.in_si() };
         if (back - si).abs() <= f64::EPSILON * si.abs() { rounded } else { plain }
@@ -143,13 +143,13 @@ mod tests {
     #[test]
     fn short_decimals_survive_in_columns() {
         for millimeters in [93.218, 501.3, 0.1, 754.0, -12.75, 0.0] {
-            assert_eq!(Unit::Millimeter.of_typed(m_from_mm(millimeters)), millimeters);
+            assert_eq!(Unit::Millimeter.typed_from_si(m_from_mm(millimeters)), millimeters);
         }
         for degrees in [-1.8, 0.2, 359.9, 1.5, 0.0, 17.0, 0.7] {
-            assert_eq!(Unit::Degree.of_typed(f64::to_radians(degrees)), degrees);
+            assert_eq!(Unit::Degree.typed_from_si(f64::to_radians(degrees)), degrees);
         }
-        assert_eq!(Unit::Microradian.of(2.5e-6), 2.5);
-        assert!(Unit::Degree.of_typed(f64::NAN).is_nan());
+        assert_eq!(Unit::Microradian.from_si(2.5e-6), 2.5);
+        assert!(Unit::Degree.typed_from_si(f64::NAN).is_nan());
     }
 
     #[test]

@@ -166,12 +166,12 @@ fn jogging_in_the_base_frame_keeps_normal_and_heading() {
         &SlotRelativePose { radial: -0.2, ..IN },
     );
     let start = start.unwrap().positions;
-    let before = WaferTarget::of(&cell.wafer_pose(A, &start, false).unwrap());
+    let before = WaferTarget::from_pose(&cell.wafer_pose(A, &start, false).unwrap());
     let by = Vector3::new(0.01, -0.02, 0.03);
     let to = WaferTarget { center: before.center + by, ..before };
     let jogged = cell.jog_wafer(&start, A, false, &to).unwrap();
     assert_eq!(jogged.stopped, None);
-    let after = WaferTarget::of(&cell.wafer_pose(A, &jogged.positions, false).unwrap());
+    let after = WaferTarget::from_pose(&cell.wafer_pose(A, &jogged.positions, false).unwrap());
     near((after.center - before.center - by).norm(), 0.0, 1e-11);
     near((after.normal - before.normal).norm(), 0.0, 1e-11);
     near(after.heading.unwrap(), before.heading.unwrap(), 1e-10);

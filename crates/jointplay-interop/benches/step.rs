@@ -17,7 +17,7 @@ fn steps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step");
     for (name, amplitude) in SUBJECTS {
         let model = catalogue::entries().iter().find(|entry| entry.name == name).unwrap().text;
-        let mut fmu = Fmu::new(&Resources::of(model)).unwrap();
+        let mut fmu = Fmu::new(&Resources::for_model(model)).unwrap();
         let of = |causality| {
             let all = fmu.variables().iter();
             let those = all.filter(move |one| one.causality == causality);

@@ -27,7 +27,7 @@ pub enum FileKind {
 impl FileKind {
     /// The kind that a text declares by its first element or its key `kind`; `None` for an unknown one.
     #[must_use]
-    pub fn of(text: &str) -> Option<Self> {
+    pub fn detect(text: &str) -> Option<Self> {
         if is_model(text) {
             return Some(Self::Model);
         }

@@ -26,7 +26,7 @@ const LAMP: &str = include_str!("fmu/lamp.toml");
 const TRIPOD: &str = include_str!("fmu/tripod.toml");
 
 fn from_catalogue(name: &str) -> Resources {
-    Resources::of(catalogue::find(name).unwrap().text)
+    Resources::for_model(catalogue::find(name).unwrap().text)
 }
 
 fn inputs(fmu: &Fmu) -> Vec<Variable> {
@@ -61,7 +61,7 @@ fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u64> {
 
 /// The outputs of a path, compared with calls of the library that share nothing with the unit but the mechanism.
 fn check_mechanism(text: &str, amplitude: f64) {
-    let mut fmu = Fmu::new(&Resources::of(text)).unwrap();
+    let mut fmu = Fmu::new(&Resources::for_model(text)).unwrap();
     let file = mechanism::parse(text).unwrap();
     let mechanism = &file.mechanism;
     let drives = mechanism.actuated_coordinates();
@@ -122,7 +122,7 @@ fn outputs_of_robots_are_those_of_the_library_to_the_bit() {
             virtualization: Some(one.name().to_owned()),
             ..resources
         };
-        [(named(from_catalogue("gpr")), one), (named(Resources::of(TRIPOD)), one)]
+        [(named(from_catalogue("gpr")), one), (named(Resources::for_model(TRIPOD)), one)]
     }) {
         let gpr = robot::parse(&resources.model).unwrap().gpr;
         let mut fmu = Fmu::new(&resources).unwrap();
@@ -181,7 +181,7 @@ fn check_rates(resources: &Resources, h: f64, threshold: f64) {
 #[test]
 fn directional_derivatives_are_those_of_the_outputs() {
     for text in [TABLE, HEAD, LAMP, TRIPOD] {
-        check_rates(&Resources::of(text), 1e-5, 2e-6);
+        check_rates(&Resources::for_model(text), 1e-5, 2e-6);
     }
     for name in ["gpr-mechanism", "gpr", "hexapod", "four-bar", "bennett"] {
         check_rates(&from_catalogue(name), 1e-5, 2e-6);
@@ -193,7 +193,7 @@ fn directional_derivatives_are_those_of_the_outputs() {
 #[test]
 fn a_state_restored_from_its_bytes_has_the_same_outputs_afterwards() {
     for text in [TABLE, HEAD, LAMP, TRIPOD] {
-        let resources = Resources::of(text);
+        let resources = Resources::for_model(text);
         let mut fmu = Fmu::new(&resources).unwrap();
         let listed = outputs(&fmu);
         let references: Vec<u32> = listed.iter().map(|one| one.reference).collect();
@@ -250,7 +250,7 @@ fn a_state_restored_from_its_bytes_has_the_same_outputs_afterwards() {
 
 #[test]
 fn names_do_not_collide() {
-    let fmu = Fmu::new(&Resources::of(HEAD)).unwrap();
+    let fmu = Fmu::new(&Resources::for_model(HEAD)).unwrap();
     let names: Vec<&str> = fmu.variables().iter().map(|one| one.name.as_str()).collect();
     let different: BTreeSet<&str> = names.iter().copied().collect();
     assert_eq!(different.len(), names.len());
@@ -278,7 +278,7 @@ fn names_do_not_collide() {
             .collect();
         assert_eq!(named, different);
     }
-    let table = Fmu::new(&Resources::of(TABLE)).unwrap();
+    let table = Fmu::new(&Resources::for_model(TABLE)).unwrap();
     let text = model_description(&table, "table", "table", FmiVersion::V3);
     assert!(text.contains("variableNamingConvention=\"structured\""));
     assert_eq!(model_identifier("3-rps v2.1 ä"), "_3_rps_v2_1__");
@@ -289,7 +289,7 @@ fn names_do_not_collide() {
 fn a_start_is_the_initial_configuration() {
     let text = catalogue::find("four-bar").unwrap().text;
     let start = vec![("A".to_owned(), 0.5)];
-    let resources = Resources { start, ..Resources::of(text) };
+    let resources = Resources { start, ..Resources::for_model(text) };
     let fmu = Fmu::new(&resources).unwrap();
     let drive = &inputs(&fmu)[0];
     assert_eq!((drive.start, fmu.value(drive.reference).unwrap()), (Some(0.5), 0.5));
@@ -309,10 +309,10 @@ fn a_start_is_the_initial_configuration() {
     assert!((fmu.value(platform.reference).unwrap() - 0.1).abs() < 1e-12);
     // Parameters replace those of the file.
     let resources =
-        Resources { parameters: vec![("reach".to_owned(), 120.0)], ..Resources::of(TRIPOD) };
+        Resources { parameters: vec![("reach".to_owned(), 120.0)], ..Resources::for_model(TRIPOD) };
     assert!(Fmu::new(&resources).is_ok());
     let resources =
-        Resources { parameters: vec![("none".to_owned(), 1.0)], ..Resources::of(TRIPOD) };
+        Resources { parameters: vec![("none".to_owned(), 1.0)], ..Resources::for_model(TRIPOD) };
     assert!(matches!(Fmu::new(&resources), Err(Error::Resource { .. })));
 }
 
@@ -330,13 +330,17 @@ fn what_cannot_be_a_unit_is_refused() {
     let text = catalogue::find("gpr-mechanism").unwrap().text;
     let rigid = &text[..text.find("[[virtual_joint]]").unwrap()];
     let tilted = vec![("rod 1".to_owned(), 0.002)];
-    check(Resources { start: tilted, ..Resources::of(rigid) }, true, "");
+    check(Resources { start: tilted, ..Resources::for_model(rigid) }, true, "");
     let ball = text.replacen("kind = \"spherical\"", "kind = \"spherical\"\nactuated = true", 1);
-    check(Resources::of(ball), false, "actuated ball");
+    check(Resources::for_model(ball), false, "actuated ball");
     let beyond = vec![("rod 1".to_owned(), 0.3)];
-    check(Resources { start: beyond, ..Resources::of(text) }, true, "limits are -254 to 254 mm");
+    check(
+        Resources { start: beyond, ..Resources::for_model(text) },
+        true,
+        "limits are -254 to 254 mm",
+    );
     let unknown = vec![("rod 7".to_owned(), 0.3)];
-    check(Resources { start: unknown.clone(), ..Resources::of(text) }, false, "rod 7");
+    check(Resources { start: unknown.clone(), ..Resources::for_model(text) }, false, "rod 7");
     check(Resources { start: unknown, ..from_catalogue("gpr") }, false, "rod 7");
     let beyond = vec![("rod 1".to_owned(), 3.0)];
     check(Resources { start: beyond, ..from_catalogue("gpr") }, true, "limits exceeded: ");
@@ -344,9 +348,9 @@ fn what_cannot_be_a_unit_is_refused() {
         |name: &str| Resources { virtualization: Some("Polar".to_owned()), ..from_catalogue(name) };
     check(polar("gpr"), false, "known are radial, polar, offset, planar");
     check(polar("four-bar"), false, "a mechanism has its own virtual joints");
-    check(Resources::of("kind = \"mechanism\"\nname = 3"), false, "model.toml:2");
-    check(Resources::of(""), false, "model.toml");
-    check(Resources::of("kind = \"gpr\""), false, "model.toml");
+    check(Resources::for_model("kind = \"mechanism\"\nname = 3"), false, "model.toml:2");
+    check(Resources::for_model(""), false, "model.toml");
+    check(Resources::for_model("kind = \"gpr\""), false, "model.toml");
 }
 
 #[test]
@@ -387,7 +391,7 @@ fn a_refused_call_changes_nothing() {
     fmu.update().unwrap();
     // A crank-rocker cannot be where the rocker would leave its limits; one step over a dead point is none.
     let text = catalogue::find("slider-crank").unwrap().text;
-    let mut fmu = Fmu::new(&Resources::of(text)).unwrap();
+    let mut fmu = Fmu::new(&Resources::for_model(text)).unwrap();
     let crank = inputs(&fmu)[0].clone();
     for step in 0..40 {
         fmu.set(&[(crank.reference, crank.start.unwrap() + 0.2 * f64::from(step))]).unwrap();
@@ -435,7 +439,7 @@ fn the_archive_is_the_same_for_the_same_contents() {
 #[test]
 fn free_motions_are_named_and_their_remedy_removes_them() {
     let text = catalogue::find("delta").unwrap().text;
-    let Err(Error::FreeMotions { motions }) = Fmu::new(&Resources::of(text)) else {
+    let Err(Error::FreeMotions { motions }) = Fmu::new(&Resources::for_model(text)) else {
         panic!("the drives do not determine the spins of the rods")
     };
     let links: Vec<&str> = motions.iter().flat_map(|one| &one.links).map(String::as_str).collect();
@@ -469,7 +473,7 @@ fn free_motions_are_named_and_their_remedy_removes_them() {
         joint.guess.clear();
     }
     let remedied = delta.clone().with_joints(joints).unwrap();
-    let mut fmu = Fmu::new(&Resources::of(mechanism::write(&remedied, None))).unwrap();
+    let mut fmu = Fmu::new(&Resources::for_model(mechanism::write(&remedied, None))).unwrap();
     let platform = delta.link("platform").unwrap();
     let drives = delta.actuated_coordinates();
     let mut at = start.clone();
@@ -502,7 +506,7 @@ fn free_motions_are_named_and_their_remedy_removes_them() {
 #[test]
 fn free_motions_of_chains_are_named() {
     let text = "kind = \"mechanism\"\nname = \"crane\"\nunits = { length = \"m\", angle = \"rad\" }\nbase = \"mast\"\n[[joint]]\nname = \"slew\"\nkind = \"revolute\"\nlinks = [\"mast\", \"jib\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nactuated = true\n[[joint]]\nname = \"hook\"\nkind = \"universal\"\nlinks = [\"jib\", \"load\"]\npoint = [3, 0, 0]\naxis = [1, 0, 0]\nsecond_axis = [0, 1, 0]\n";
-    let error = Fmu::new(&Resources::of(text)).unwrap_err();
+    let error = Fmu::new(&Resources::for_model(text)).unwrap_err();
     let message = error.to_string();
     assert!(message.contains("leave 2 motions free") && message.contains("hook"), "{message}");
     assert!(message.contains("actuated = true") && error.is_infeasible(), "{message}");

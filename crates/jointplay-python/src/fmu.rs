@@ -62,9 +62,12 @@ impl PyMechanism {
         let start = start.collect();
         let (text, parameters) = self.source();
         let resources = if import::is_model(text) {
-            Resources { start, ..Resources::of(mechanism::write(&self.file.mechanism, None)) }
+            Resources {
+                start,
+                ..Resources::for_model(mechanism::write(&self.file.mechanism, None))
+            }
         } else {
-            Resources { parameters: parameters.to_vec(), start, ..Resources::of(text) }
+            Resources { parameters: parameters.to_vec(), start, ..Resources::for_model(text) }
         };
         unit(py, &resources, name.unwrap_or(self.file.mechanism.name()), fmi, library)
     }
@@ -125,7 +128,7 @@ impl PyGpr {
         let resources = Resources {
             start: rods.into_iter().flatten().enumerate().map(named).collect(),
             virtualization: Some(model.virtualization().name().to_owned()),
-            ..Resources::of(robot::write(&robot))
+            ..Resources::for_model(robot::write(&robot))
         };
         unit(py, &resources, name.unwrap_or(&self.name), fmi, library)
     }

@@ -372,7 +372,7 @@ impl PyMechanism {
                 let residual = match solved {
                     Ok(residual) => residual,
                     Err(error) => {
-                        rows.status[i] = Status::of(&error).ok_or(error)?;
+                        rows.status[i] = Status::from_error(&error).ok_or(error)?;
                         continue;
                     }
                 };

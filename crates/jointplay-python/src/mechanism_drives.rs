@@ -147,7 +147,7 @@ impl PyMechanism {
         held: &[usize],
     ) -> Result<Result<DVector<f64>, DrivenMotion>, Error> {
         let drives: Vec<Drive> =
-            path.at(0.0).map(|(coordinate, to)| Drive { coordinate, to }).collect();
+            path.values_at(0.0).map(|(coordinate, to)| Drive { coordinate, to }).collect();
         if drives.iter().all(|drive| drive.to == from[drive.coordinate]) {
             return Ok(Ok(from));
         }

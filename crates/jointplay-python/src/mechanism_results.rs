@@ -1,6 +1,7 @@
 //! Results of mechanisms, as objects of Python.
 
 use jointplay::constraint::System as _;
+use jointplay::format::mechanism::LengthUnit;
 use jointplay::mechanism::{
     BeyondLimits, Carrier, Closure, DrivenMotion, Mechanism, MechanismMobility, MechanismSystem,
     MobilityClass, Relief, SparseMobility, Suggestions, VirtualJoint, VirtualMotion, link_motion,
@@ -56,7 +57,7 @@ pub(crate) fn mobility<'py>(
     let class = found.class();
     let stresses = self_stresses(system, first).map_err(failed)?;
     let length_mm = system.characteristic_length() * 1e3;
-    let carried = redundant_constraints(mechanism, &stresses, length_mm);
+    let carried = redundant_constraints(mechanism, &stresses, length_mm, LengthUnit::Meter);
     let carried = carried.iter().zip(&stresses.stresses).map(|(one, stress)| {
         let loads = one.remove_any_one_of.iter().zip(&stress.wrenches).map(|(load, wrench)| {
             let fields = fields!(py;
@@ -184,6 +185,7 @@ pub(crate) fn motion<'py>(
             instantaneous_mobility = there.instantaneous_mobility,
             least_singular_value = there.least_singular_value,
             branches = there.branches,
+            drives_reverse = there.drives_reverse,
         );
         skin::result(py, "SingularConfiguration", &fields)
     });
@@ -250,6 +252,7 @@ pub(crate) fn suggestions<'py>(
     });
     let fields = fields!(py;
         needed = found.needed,
+        home_residual = found.home_residual,
         without_play = placed(&found.without_play),
         limits_broken = broken(&found.beyond_limits)?,
         sets = PyTuple::new(py, sets.collect::<PyResult<Vec<_>>>()?)?,

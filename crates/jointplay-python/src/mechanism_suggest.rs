@@ -1,7 +1,7 @@
 //! Suggestions of virtual joints.
 
 use jointplay::mechanism::{
-    LinearAndAngular, SuggestOptions, SuggestionRank, close_commanded, suggest,
+    LinearAndAngular, SuggestOptions, SuggestionRank, close_nearly, suggest,
 };
 use jointplay::nalgebra::DVector;
 use pyo3::prelude::*;
@@ -100,7 +100,7 @@ impl PyMechanism {
         let bare = self.file.mechanism.clone().with_virtual_joints(Vec::new());
         let bare = bare.map_err(|error| errors::internal(&error.to_string()))?;
         let found = py.detach(|| {
-            let home = close_commanded(&bare, &[], None)?;
+            let home = close_nearly(&self.file.mechanism)?;
             suggest(&bare, &home.coordinates, &commanded, &all, &options)
         });
         let found = found.map_err(|error| errors::core(py, &error))?;

@@ -40,7 +40,7 @@ pub struct CellReport {
     pub metric_mm: Option<f64>,
     /// Values of cell and robot that are assumptions, with their reasons.
     pub assumed: Vec<String>,
-    /// `passed` or `failed`.
+    /// `passed`, `failed`, or `no_motion` where no axis moves.
     pub result: &'static str,
     /// Duration of the motion.
     pub duration_s: f64,
@@ -301,6 +301,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         result: match report.result {
             CheckResult::Passed => "passed",
             CheckResult::Failed => "failed",
+            CheckResult::NoMotion => "no_motion",
         },
         duration_s: report.duration,
         wafers: report.wafers,

@@ -69,7 +69,8 @@ pub use limits::{LimitReport, limits};
 pub use mechanism::{
     AssemblyReport, ByName, ConfigurationReport, CoordinateDisplacementReport, LinkMotionReport,
     MechanismMobilityReport, NearMissReport, NearReport, SparseMobilityReport, UnitsReport,
-    assembly, by_name, configuration, largest_displacement, mechanism_mobility, sparse_mobility,
+    assembly, by_name, configuration, largest_displacement, mechanism_mobility, search_note,
+    sparse_mobility,
 };
 pub use mobility::{FreedomsReport, MobilityReport, mobility};
 pub use motion::{FirstBeyondReport, MotionParameter, MotionReport, SingularReport, motion};

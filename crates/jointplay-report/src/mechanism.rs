@@ -16,6 +16,7 @@ use crate::mobility::{FreedomsReport, columns};
 use crate::redundancy::{RedundancyBasisReport, RedundantConstraintReport, redundant_constraints};
 use jointplay_format::coordinates::Coordinates;
 use jointplay_format::mechanism::MechanismFile;
+use jointplay_format::number::fixed;
 use jointplay_format::units::mm;
 
 /// Units of the numbers of a report.
@@ -112,6 +113,39 @@ pub fn largest_displacement(
         value: coordinates.from_si(coordinate, value),
         coordinate,
     })
+}
+
+/// Why the configuration in use is a searched one, and how far it is from the guess; `None` for one that corrections from the guess lead to.
+///
+/// # Arguments
+/// * `guess` – (f) or (f + M) coordinates (m, rad)
+#[must_use]
+pub fn search_note(file: &MechanismFile, guess: &DVector<f64>, closed: &Closure) -> Option<String> {
+    if !closed.is_searched {
+        return None;
+    }
+    let mechanism = &file.mechanism;
+    let has_limits = mechanism.limits().iter().any(Option::is_some);
+    let within = if has_limits { " within the joint limits" } else { "" };
+    let why = if mechanism.loops() > 0 {
+        format!(
+            "the loops do not close{within} from the guess: the nearest closed configuration found is used"
+        )
+    } else if !mechanism.couplings().is_empty() {
+        format!(
+            "the couplings do not hold{within} at the guess: the nearest configuration found in which they do is used"
+        )
+    } else {
+        "the guess is beyond the joint limits: the nearest configuration within them is used"
+            .to_owned()
+    };
+    let moved = largest_displacement(file, guess, &closed.coordinates).map(|moved| {
+        let coordinates = Coordinates::of(file);
+        let k = moved.coordinate;
+        let (value, unit) = (fixed(moved.value, coordinates.decimals(k)), coordinates.unit(k));
+        format!("; farthest from the guess is {} by {value} {unit}", moved.name)
+    });
+    Some(why + &moved.unwrap_or_default())
 }
 
 /// Coordinates of the joints by name, without virtual joints.
@@ -432,6 +466,7 @@ pub fn mechanism_mobility(
             mechanism,
             &stresses,
             mm(first.characteristic_length),
+            file.units.length,
         ),
         redundant_constraint_basis: RedundancyBasisReport::of(mechanism, &stresses),
         link_motions: ByName(link_motions),

@@ -71,7 +71,7 @@ pub struct MotionParameter {
 impl MotionParameter {
     /// Its value at a share of the path, straight between points.
     #[must_use]
-    pub fn at(&self, share: f64) -> f64 {
+    pub fn value_at(&self, share: f64) -> f64 {
         let segments = self.values.len().saturating_sub(1);
         let (first, within) = DrivePath::locate(share, segments);
         match (self.values.get(first), self.values.get(first + 1)) {
@@ -108,6 +108,8 @@ pub struct SingularReport {
     pub least_singular_value: f64,
     /// Number of branches of the motion that meet here; `null` if second order does not determine it.
     pub branches: Option<usize>,
+    /// Whether the driven coordinates reverse on the only branch, as at a dead point, or continue; `null` if several branches meet, or it is undecided.
+    pub drives_reverse: Option<bool>,
     /// Values of all coordinates, by name.
     #[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, f64>))]
     pub coordinates: ByName<f64>,
@@ -133,10 +135,11 @@ pub fn motion(
     };
     let singular = motion.singular.iter().map(|there| SingularReport {
         drives: drives(&there.coordinates),
-        parameter: parameter.map(|parameter| parameter.at(there.share)),
+        parameter: parameter.map(|parameter| parameter.value_at(there.share)),
         instantaneous_mobility: there.instantaneous_mobility,
         least_singular_value: there.least_singular_value,
         branches: there.branches,
+        drives_reverse: there.drives_reverse,
         coordinates: by_name(&coordinates, &there.coordinates),
     });
     let series = (0..coordinates.all().len()).map(|k| {
@@ -145,7 +148,7 @@ pub fn motion(
     });
     let place = |at: &Waypoint| {
         if let Some(parameter) = parameter {
-            return format!("{} = {}", parameter.name, rounded(parameter.at(at.share), 6));
+            return format!("{} = {}", parameter.name, rounded(parameter.value_at(at.share), 6));
         }
         let values = drives(&at.coordinates).0.into_iter();
         let at = values.zip(driven).map(|((name, value), &k)| {
@@ -206,7 +209,7 @@ pub fn motion(
         nearest_pose: None,
         parameter: parameter.map(|parameter| MotionParameter {
             name: parameter.name.clone(),
-            values: motion.waypoints.iter().map(|at| parameter.at(at.share)).collect(),
+            values: motion.waypoints.iter().map(|at| parameter.value_at(at.share)).collect(),
         }),
         series: ByName(series.collect()),
         poses: None,

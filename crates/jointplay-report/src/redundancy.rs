@@ -3,6 +3,7 @@
 use jointplay_core::mechanism::{Mechanism, SelfStress, SelfStresses, StressScrew};
 use nalgebra::{Unit, Vector3};
 
+use jointplay_format::mechanism::LengthUnit;
 use jointplay_format::number::fixed;
 use jointplay_format::units::mm;
 
@@ -81,14 +82,16 @@ fn couplings(mechanism: &Mechanism, indices: impl Iterator<Item = usize>) -> Vec
 ///
 /// # Arguments
 /// * `length_mm` – characteristic length, in which moments are scaled
+/// * `unit` – of the lengths in the descriptions
 #[must_use]
 pub fn redundant_constraints(
     mechanism: &Mechanism,
     found: &SelfStresses,
     length_mm: f64,
+    unit: LengthUnit,
 ) -> Vec<RedundantConstraintReport> {
     let one = |stress: &SelfStress| RedundantConstraintReport {
-        what: description(mechanism, stress),
+        what: description(mechanism, stress, unit),
         joints: stress.wrenches.iter().map(|wrench| name(mechanism, wrench.joint)).collect(),
         couplings: couplings(mechanism, stress.couplings.iter().map(|one| one.coupling)),
         group: stress.group + 1,
@@ -117,7 +120,7 @@ fn carried(mechanism: &Mechanism, stress: &SelfStress, length_mm: f64) -> Vec<Ca
 }
 
 /// The self-stress in words.
-fn description(mechanism: &Mechanism, stress: &SelfStress) -> String {
+fn description(mechanism: &Mechanism, stress: &SelfStress, unit: LengthUnit) -> String {
     let list = |joints: &mut dyn Iterator<Item = usize>| {
         joints.map(|joint| name(mechanism, joint)).collect::<Vec<_>>().join(", ")
     };
@@ -141,16 +144,18 @@ fn description(mechanism: &Mechanism, stress: &SelfStress) -> String {
         StressScrew::Moment { direction } => format!("moment about {}", axis(direction)),
         StressScrew::Force { direction, point, pitch, .. } => {
             let along = format!("force along {}", axis(direction));
-            let through = point.map(mm);
+            let in_unit = |meters: f64| fixed(unit.from_meters(meters), decimals(unit));
             let place = format!(
-                " through ({}) mm",
-                [through.x, through.y, through.z].map(|x| fixed(x, 3)).join(", ")
+                " through ({}) {}",
+                [point.x, point.y, point.z].map(in_unit).join(", "),
+                unit.name()
             );
             let place = if stress.single_loop { place } else { String::new() };
             match (*pitch == 0.0, stress.single_loop) {
                 (true, _) => format!("{along}{place}"),
                 (false, true) => {
-                    format!("{along}{place} with a moment of {} N mm per N", fixed(mm(*pitch), 3))
+                    let (pitch, unit) = (in_unit(*pitch), unit.name());
+                    format!("{along}{place} with a moment of {pitch} N {unit} per N")
                 }
                 (false, false) => format!("{along} with a moment"),
             }
@@ -161,6 +166,11 @@ fn description(mechanism: &Mechanism, stress: &SelfStress) -> String {
     } else {
         format!("{what} and its reactions, {within}")
     }
+}
+
+/// Decimals of a length that is printed in a description, about a micrometre.
+fn decimals(unit: LengthUnit) -> usize {
+    unit.decimals().saturating_sub(3)
 }
 
 /// "x", "y", "z", or the unit vector.

@@ -1,5 +1,6 @@
 //! Report on suggested virtual joints.
 
+use jointplay_core::constraint::CLOSURE_TOLERANCE;
 use jointplay_core::mechanism::{
     Carrier, SingleCommand, Suggestion, Suggestions, VirtualJoint, VirtualMotion,
 };
@@ -23,6 +24,9 @@ pub struct SuggestReport {
     pub commands: Vec<Vec<f64>>,
     /// Whether the commands require play.
     pub play_needed: bool,
+    /// Largest mismatch of the rigid links in the configuration from which the search starts, in radians and characteristic lengths, if they do not close there; every set then closes them too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub home_residual: Option<f64>,
     /// Whether the mechanism has no loops, so that no command can require play.
     pub open_chain: bool,
     /// Joint coordinates for each command, in the units of the file, if no play is required.
@@ -176,6 +180,7 @@ pub fn suggestions(
         commanded,
         commands,
         play_needed: found.needed,
+        home_residual: (found.home_residual > CLOSURE_TOLERANCE).then_some(found.home_residual),
         open_chain: mechanism.constraints() == 0,
         without_play: named(&found.without_play),
         limits_broken: beyond_limits(&coordinates, &found.beyond_limits),

@@ -89,7 +89,8 @@ pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>])
     let columns = file.columns.iter().filter_map(|column| {
         let Source::Number { index, unit, typed, .. } = column.source else { return None };
         let moments = &totals.columns[index];
-        let in_unit = |value: f64| if typed { unit.of_typed(value) } else { unit.of(value) };
+        let in_unit =
+            |value: f64| if typed { unit.typed_from_si(value) } else { unit.from_si(value) };
         let if_any = |value: f64| (moments.count > 0).then(|| in_unit(value));
         let name = |share: f64| format!("p{}", (share * 100.0).round());
         let percentiles = SHARES.iter().zip(&quantiles[index]);
@@ -99,7 +100,7 @@ pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>])
             min: if_any(moments.min),
             max: if_any(moments.max),
             mean: if_any(moments.mean),
-            standard_deviation: moments.deviation().map(|deviation| unit.of(deviation)),
+            standard_deviation: moments.deviation().map(|deviation| unit.from_si(deviation)),
             percentiles: percentiles
                 .map(|(&share, value)| (name(share), value.map(in_unit).into()))
                 .collect(),

@@ -35,7 +35,7 @@ fn a_study_of_a_mechanism_is_continued_on_its_kind_of_processor() {
     let file = study(
         "kind = \"study\"\nmechanism = \"four-bar\"\nquantities = [\"joints\"]\n[drives]\nA = [0, 10]\n",
     );
-    let marker = Marker::new(&file, TableKind::Csv, Totals::of(&*file.plan));
+    let marker = Marker::new(&file, TableKind::Csv, Totals::for_study(&*file.plan));
     let text = marker.to_json(0);
     assert_eq!(Marker::parse(&text).as_ref(), Ok(&marker));
     let here = marker.instructions.unwrap();

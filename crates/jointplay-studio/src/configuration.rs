@@ -74,14 +74,11 @@ impl ReadMechanism {
         let poses = exaggerated_link_poses(mechanism, at, play_scale)?;
         let beyond = mechanism.beyond_limits(at);
         let joints = self.coordinates.joints();
-        let note = closed.is_searched.then(|| {
-            let moved = report::largest_displacement(&self.file, &guess(mechanism), at);
-            let moved = moved.map_or(String::new(), |moved| {
-                let (k, value) = (moved.coordinate, moved.value);
-                let decimals = self.coordinates.decimals(k);
-                format!("; farthest from the guess is {} by {value:.decimals$} {}", moved.name, self.coordinates.unit(k))
-            });
-            format!("The loops do not close within the limits from the guess: this is the nearest closed configuration found{moved}.")
+        let note = report::search_note(&self.file, &guess(mechanism), closed);
+        let note = note.map(|note| {
+            let mut letters = note.chars();
+            let first = letters.next().map(char::to_uppercase).into_iter().flatten();
+            first.chain(letters).chain(['.']).collect()
         });
         Ok(ConfigurationDocument {
             coordinates: at.iter().copied().collect(),

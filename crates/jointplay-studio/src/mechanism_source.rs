@@ -82,7 +82,7 @@ fn all<P: std::fmt::Display>(errors: &Errors<P>, in_loops: bool) -> Unread {
 
 /// Reads a mechanism.
 pub(crate) fn read(source: &MechanismSource) -> Result<ReadMechanism, Unread> {
-    let kind = FileKind::of(&source.text);
+    let kind = FileKind::detect(&source.text);
     let replaced: Vec<(String, f64)> =
         source.parameters.iter().map(|(name, &value)| (name.clone(), value)).collect();
     let (file, text, note) = match kind {

@@ -74,7 +74,7 @@ impl KeyMotion {
     /// ```
     /// The polynomial of least degree that starts and ends without speed and acceleration.
     #[must_use]
-    pub fn at(&self, time: f64) -> (Tilt, AxisHeight) {
+    pub fn tilt_and_height_at(&self, time: f64) -> (Tilt, AxisHeight) {
         let next = self.reached.partition_point(|&reached| reached <= time);
         let Some(to) = self.keys.get(next) else {
             let last = self.keys[self.keys.len() - 1];
@@ -107,20 +107,20 @@ mod tests {
         assert_eq!(motion.samples(), 251);
         assert_eq!((motion.time(0), motion.time(200), motion.time(250)), (0.0, 2.0, 2.5));
         for (time, key) in [0.0, 2.0, 2.5].into_iter().zip(&keys) {
-            let (tilt, height) = motion.at(time);
+            let (tilt, height) = motion.tilt_and_height_at(time);
             assert!((tilt.normal() - key.tilt.normal()).norm() < 1e-15);
             assert!((height.0 - key.height.0).abs() < 1e-15);
             // At rest: 1 ms off in time is of third order in position.
             for near in [time - 1e-3, time + 1e-3] {
-                let (tilt, height) = motion.at(near);
+                let (tilt, height) = motion.tilt_and_height_at(near);
                 assert!((tilt.normal() - key.tilt.normal()).norm() < 1e-8, "{near}");
                 assert!((height.0 - key.height.0).abs() < 1e-7, "{near}");
             }
         }
-        let (_, half) = motion.at(1.0);
+        let (_, half) = motion.tilt_and_height_at(1.0);
         assert!((half.0 - 0.55).abs() < 1e-15, "midway at half the time");
-        assert_eq!(motion.at(-1.0), motion.at(0.0));
-        assert_eq!(motion.at(99.0), motion.at(2.5));
+        assert_eq!(motion.tilt_and_height_at(-1.0), motion.tilt_and_height_at(0.0));
+        assert_eq!(motion.tilt_and_height_at(99.0), motion.tilt_and_height_at(2.5));
     }
 
     #[test]

@@ -193,6 +193,8 @@ class SingularConfiguration(Result):
     """Smallest singular value in the singular configuration, as a fraction of the largest."""
     branches: int | None
     """Number of branches of the motion that meet; ``None`` if the second-order analysis does not determine it."""
+    drives_reverse: bool | None
+    """Whether the driven coordinates reverse on the only branch, as at a dead point, or continue; ``None`` if several branches meet, or it is undecided."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -487,6 +489,8 @@ class Suggestions(Result):
 
     needed: bool
     """Whether the commands require play."""
+    home_residual: float
+    """Largest mismatch of the rigid links where the search starts, in radians and characteristic lengths; where they do not close, every set closes them too."""
     without_play: Floats
     """Joint coordinates without play for each command, shape (commands, f) [m, rad]; empty if the commands require play."""
     limits_broken: tuple[str, ...]

@@ -252,8 +252,13 @@ impl<'a> Aggregator<'a> {
             .collect();
         let duration = self.trajectory.duration();
         let hourly = (wafers > 0 && duration > 0.0).then(|| 3600.0 * wafers as f64 / duration);
+        let result = match (violations.is_empty(), self.trajectory.moves()) {
+            (false, _) => CheckResult::Failed,
+            (true, true) => CheckResult::Passed,
+            (true, false) => CheckResult::NoMotion,
+        };
         Report {
-            result: if violations.is_empty() { CheckResult::Passed } else { CheckResult::Failed },
+            result,
             distances,
             violations,
             by_instruction: self.rows,

@@ -170,7 +170,7 @@ impl StepFindings {
         let states = PlatformStates::new(cell, sampled);
         for (sample, &time) in sampled.times().iter().enumerate() {
             let at = SampleTime { time, sample };
-            match states.at(sample, || sampled.positions(sample)) {
+            match states.state(sample, || sampled.positions(sample)) {
                 Ok(state) => self.check_tilt_and_play(cell, state, at, violations),
                 Err(error) => {
                     UnknownPose { at, error: PoseError::from(error) }.report(violations);
@@ -268,7 +268,7 @@ impl<'a> PlatformStates<'a> {
     }
 
     /// State at a sample; where the columns have none, the single-pose solver states the reason.
-    fn at(
+    fn state(
         &self,
         sample: usize,
         positions: impl FnOnce() -> Positions,

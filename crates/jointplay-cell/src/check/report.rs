@@ -11,6 +11,8 @@ pub enum CheckResult {
     Passed,
     /// Violations were found.
     Failed,
+    /// No axis moves, so that no motion was checked: a program without instructions that move, such as one that only waits.
+    NoMotion,
 }
 
 /// Peak of a quantity relative to its limit; above 1 the limit is violated.
@@ -76,7 +78,7 @@ pub struct InstructionResult {
 /// Report of a check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Whether violations were found.
+    /// Whether violations were found, or nothing moves.
     pub result: CheckResult,
     /// All violations in the order of time.
     pub violations: Vec<Violation>,

@@ -161,7 +161,7 @@ impl<'c> MotionSequencer<'c> {
             self.push(Phase::Move, self.positions.clone(), Path::Line(effector));
             return Ok(());
         }
-        let mut target = WaferTarget::of(&pose);
+        let mut target = WaferTarget::from_pose(&pose);
         target.center += Vector3::from(by);
         let to = self.solve(effector, &target, loaded).map_err(stopped)?;
         self.arms_retracted = false;

@@ -123,7 +123,7 @@ impl ArmChain {
         let [_, rate, acceleration_of_heading] =
             arm_states.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
-            base_from_frame: self.at(&tip, &arm_states[0]),
+            base_from_frame: self.wafer_pose(&tip, &arm_states[0]),
             velocity: velocity.push(0.0),
             acceleration: acceleration.push(0.0),
             angular_velocity: Vector3::z() * rate,

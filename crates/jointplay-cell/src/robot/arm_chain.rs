@@ -200,12 +200,12 @@ impl ArmChain {
     /// Pose `platform_from_wafer` for positions of all axes.
     pub(crate) fn wafer(&self, positions: &[f64]) -> Pose {
         let arm_positions = self.arm_positions(positions);
-        self.at(&self.tip(&arm_positions), &arm_positions)
+        self.wafer_pose(&self.tip(&arm_positions), &arm_positions)
     }
 
     /// Pose `platform_from_wafer`, the position of the tip known.
     #[inline]
-    pub(super) fn at(&self, tip: &Vector2<f64>, arm_positions: &ArmVector) -> Pose {
+    pub(super) fn wafer_pose(&self, tip: &Vector2<f64>, arm_positions: &ArmVector) -> Pose {
         let center = tip.push(self.height);
         Pose::from_parts(Translation3::from(center), rotation_about_z(self.heading(arm_positions)))
     }

@@ -82,7 +82,7 @@ impl CartesianPath {
 
 /// A Cartesian line that the axes cannot follow.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("at {:.1} % of the line{}: {kind}", 100.0 * fraction, at(position.as_ref()))]
+#[error("at {:.1} % of the line{}: {kind}", 100.0 * fraction, position_text(position.as_ref()))]
 pub struct PathError {
     /// Fraction of the line at which the axes stop, from 0 to 1.
     pub fraction: f64,
@@ -92,7 +92,7 @@ pub struct PathError {
     pub kind: PathErrorKind,
 }
 
-fn at(position: Option<&Vector3<f64>>) -> String {
+fn position_text(position: Option<&Vector3<f64>>) -> String {
     position.map_or_else(String::new, |p| format!(" (x {}, y {}, z {} m)", p.x, p.y, p.z))
 }
 

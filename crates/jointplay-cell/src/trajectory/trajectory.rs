@@ -80,6 +80,12 @@ impl Trajectory {
         matches!(**self.segments[step], Segment::Dwell { .. })
     }
 
+    /// Whether an axis moves in any step.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        (0..self.steps.len()).any(|step| !self.is_dwell(step))
+    }
+
     /// Whether a step takes time; waiting for a station whose process is over takes none.
     #[must_use]
     pub fn has_duration(&self, step: usize) -> bool {

@@ -171,6 +171,6 @@ impl Cell {
         let normal = rigid.base_from_wafer.rotation * Vector3::z();
         let reach = (out - normal * out.dot(&normal)).norm();
         let load = if loaded { self.wafer.mass() } else { 0.0 };
-        self.robot.arms[rigid.arm].droop.at(reach, load, self.gravity)
+        self.robot.arms[rigid.arm].droop.deflection(reach, load, self.gravity)
     }
 }

@@ -64,7 +64,12 @@ impl Droop {
     ///
     /// # Source
     /// \[Roark\], beams
-    pub fn at(&self, reach: f64, load: f64, gravity: f64) -> Result<Deflection, DroopError> {
+    pub fn deflection(
+        &self,
+        reach: f64,
+        load: f64,
+        gravity: f64,
+    ) -> Result<Deflection, DroopError> {
         self.derivatives_by_reach(reach, load, gravity).map(|[at, ..]| at)
     }
 
@@ -130,7 +135,7 @@ impl Droop {
                     (most.by_reach.or(rates), most.second_by_reach.or(bends));
                 // Between two rows a value is at most the larger of both.
                 let ends = [above - 1, above].map(|row| rows[row].reach);
-                let largest = ends.map(|reach| slope.at(reach)[0].abs());
+                let largest = ends.map(|reach| slope.value_and_derivatives(reach)[0].abs());
                 let steepest = largest[0].max(largest[1]) / ends[0].abs().max(MIN_REACH);
                 most.slope_per_reach = most.slope_per_reach.max(steepest);
             }
@@ -188,7 +193,7 @@ fn interpolated(rows: &[DroopRow], reach: f64, load: f64) -> Result<[Deflection;
         return Ok([rows[0].under(load)?, Deflection::default(), Deflection::default()]);
     }
     let above = rows.partition_point(|row| row.reach < reach).clamp(1, rows.len() - 1);
-    let [drop, slope] = pieces(rows, above, load)?.map(|piece| piece.at(reach));
+    let [drop, slope] = pieces(rows, above, load)?.map(|piece| piece.value_and_derivatives(reach));
     Ok([0, 1, 2].map(|order| Deflection { drop: drop[order], slope: slope[order] }))
 }
 
@@ -226,7 +231,7 @@ mod tests {
         // E I w'''' = q, with w = w' = 0 at the joint, no moment and the load at the tip, integrated from the tip.
         let (stiffness, mass_per_length, load, gravity, l) = (900.0, 2.5, 0.13, 9.81, 0.7);
         let droop = Droop::Cantilever { stiffness, mass_per_length };
-        let found = droop.at(l, load, gravity).unwrap();
+        let found = droop.deflection(l, load, gravity).unwrap();
         let steps = 20_000;
         let (mut slope, mut drop) = (0.0, 0.0);
         for k in 0..steps {
@@ -288,20 +293,20 @@ mod tests {
     #[test]
     fn droop_table_is_interpolated_and_not_extrapolated() {
         let droop = Droop::Table { rows: vec![row(0.2, 1e-4), row(0.4, 3e-4), row(0.5, 7e-4)] };
-        let drop = |reach, load| droop.at(reach, load, 9.81).unwrap().drop;
+        let drop = |reach, load| droop.deflection(reach, load, 9.81).unwrap().drop;
         assert!((drop(0.2, 0.0) - 1e-4).abs() < 1e-18);
         // Between rows the drop bends as its neighbours do, and stays between them.
         assert!(drop(0.3, 0.0) > 1e-4 && drop(0.3, 0.0) < 2e-4);
         assert!(drop(0.45, 0.0) > 3e-4 && drop(0.45, 0.0) < 5e-4);
         assert!((drop(0.5, 0.2) - 21e-4).abs() < 1e-18);
         assert!((drop(0.3, 0.1) - 2.0 * drop(0.3, 0.0)).abs() < 1e-18);
-        let error = droop.at(0.51, 0.0, 9.81).unwrap_err();
+        let error = droop.deflection(0.51, 0.0, 9.81).unwrap_err();
         assert_eq!(error, DroopError::Reach { reach: 0.51, min: 0.2, max: 0.5 });
-        assert!(droop.at(f64::NAN, 0.0, 9.81).is_err());
-        let error = droop.at(0.3, 0.3, 9.81).unwrap_err();
+        assert!(droop.deflection(f64::NAN, 0.0, 9.81).is_err());
+        let error = droop.deflection(0.3, 0.3, 9.81).unwrap_err();
         assert_eq!(error, DroopError::Load { load: 0.3, max: 0.2 });
         let single = Droop::Table { rows: vec![row(0.2, 1e-4)] };
-        assert_eq!(single.at(0.2, 0.0, 9.81).unwrap().drop, 1e-4);
-        assert!(Droop::Table { rows: vec![] }.at(0.2, 0.0, 9.81).is_err());
+        assert_eq!(single.deflection(0.2, 0.0, 9.81).unwrap().drop, 1e-4);
+        assert!(Droop::Table { rows: vec![] }.deflection(0.2, 0.0, 9.81).is_err());
     }
 }

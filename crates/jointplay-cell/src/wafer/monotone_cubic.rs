@@ -45,7 +45,7 @@ impl CubicPiece {
     }
 
     /// Value with its first and second derivative at a position between the ends.
-    pub(super) fn at(&self, position: f64) -> [f64; 3] {
+    pub(super) fn value_and_derivatives(&self, position: f64) -> [f64; 3] {
         let [from, to] = self.ends;
         let width = to.position - from.position;
         let t = ((position - from.position) / width).clamp(0.0, 1.0);
@@ -63,11 +63,13 @@ impl CubicPiece {
     /// Largest magnitudes of the first and of the second derivative.
     pub(super) fn largest_derivatives(&self) -> [f64; 2] {
         let [from, to] = self.ends;
-        let [start, end] = [self.at(from.position), self.at(to.position)];
+        let [start, end] =
+            [self.value_and_derivatives(from.position), self.value_and_derivatives(to.position)];
         // The first derivative is a parabola: it is largest at an end, or where the second is zero.
         let turning = start[2] / (start[2] - end[2]);
         let turning = if turning > 0.0 && turning < 1.0 {
-            self.at(from.position + turning * (to.position - from.position))[1].abs()
+            self.value_and_derivatives(from.position + turning * (to.position - from.position))[1]
+                .abs()
         } else {
             0.0
         };
@@ -139,7 +141,9 @@ mod tests {
             (4, 0.79, [0.008697092143910371, 0.030137450931559142, 0.030602103864991983]),
         ];
         for (k, position, expected) in EXPECTED {
-            for (found, expected) in piece(k).at(position).into_iter().zip(expected) {
+            for (found, expected) in
+                piece(k).value_and_derivatives(position).into_iter().zip(expected)
+            {
                 assert!(
                     (found - expected).abs() < 1e-11 * expected.abs().max(1e-3),
                     "{k} {found} {expected}"
@@ -156,7 +160,7 @@ mod tests {
             for step in 0..=1000 {
                 let position =
                     POSITIONS[k] + (POSITIONS[k + 1] - POSITIONS[k]) * f64::from(step) / 1000.0;
-                let [value, first, second] = piece(k).at(position);
+                let [value, first, second] = piece(k).value_and_derivatives(position);
                 assert!((low - 1e-18..=high + 1e-18).contains(&value), "{k} {value}");
                 (rate, bend) = (rate.max(first.abs()), bend.max(second.abs()));
             }
@@ -164,7 +168,8 @@ mod tests {
             assert!(rate <= most_rate * (1.0 + 1e-12) && most_rate <= rate * 1.0001);
             assert!(bend <= most_bend * (1.0 + 1e-12) && most_bend <= bend * 1.0001);
             if k > 0 {
-                let [before, after] = [piece(k - 1), piece(k)].map(|it| it.at(POSITIONS[k])[1]);
+                let [before, after] =
+                    [piece(k - 1), piece(k)].map(|it| it.value_and_derivatives(POSITIONS[k])[1]);
                 assert!((before - after).abs() < 1e-15, "{k}");
             }
         }

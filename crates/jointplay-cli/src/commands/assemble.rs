@@ -46,12 +46,7 @@ impl Assemble {
         let Posed { closed, relief } = input.posed(&commands)?;
         let others = match self.branches {
             None => None,
-            Some(starts) => {
-                let mut found = input.branches(&commands, usize::from(starts))?;
-                // The first one is the closure from the guess.
-                found.retain(|branch| branch.coordinates != closed.coordinates);
-                Some(found)
-            }
+            Some(starts) => Some(input.other_branches(&commands, usize::from(starts), &closed)?),
         };
         drop(working);
         let report = report::assembly(

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jointplay::constraint::CLOSURE_TOLERANCE;
-use jointplay::format::mechanism::MAX_BYTES;
+use jointplay::format::mechanism::{LengthUnit, MAX_BYTES};
 use jointplay::format::number::{counted, rounded};
 use jointplay::format::robot;
+use jointplay::format::units::m_from_mm;
 use jointplay::gpr::Gpr;
 use jointplay::mechanism::{MechanismSystem, mechanism_mobility};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility};
@@ -115,7 +116,8 @@ impl Mobility {
             let found = system.mobility(RANK_THRESHOLD)?;
             let report = report::sparse_mobility(&input.file, &system, &found);
             drop(working);
-            self.answer.format.print(&report, sparse_text)?;
+            let unit = input.coordinates.units().length;
+            self.answer.format.print(&report, |report| sparse_text(report, unit))?;
             input.within_limits(system.coordinates())?;
             return self.compare_with_file(&input, report.joint_freedoms, &report.freedoms);
         }
@@ -190,8 +192,18 @@ fn freedoms(text: &mut String, found: &FreedomsReport) {
 }
 
 /// Singular values above and below the rank threshold.
-fn spectrum(text: &mut String, values: [&[f64]; 2], threshold: f64, length_mm: f64) {
-    let _ = writeln!(text, "singular values, lengths in units of {} mm", rounded(length_mm, 6));
+///
+/// # Arguments
+/// * `unit` – of the characteristic length in the text
+fn spectrum(
+    text: &mut String,
+    values: [&[f64]; 2],
+    threshold: f64,
+    length_mm: f64,
+    unit: LengthUnit,
+) {
+    let length = rounded(in_unit(unit, length_mm), 6);
+    let _ = writeln!(text, "singular values, lengths in units of {length} {}", unit.name());
     singular_values(text, values);
     let _ = writeln!(text, "  threshold            {threshold:.3e}");
 }
@@ -202,7 +214,8 @@ fn text(report: &MobilityReport) -> String {
     freedoms(&mut text, &report.freedoms);
     let FreedomsReport { instantaneous_mobility, finite_mobility, rank, .. } = report.freedoms;
     let values = report.singular_values.split_at(rank).into();
-    spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
+    let (length, unit) = (report.characteristic_length_mm, LengthUnit::Millimeter);
+    spectrum(&mut text, values, report.threshold, length, unit);
     if let Some(finite) = finite_mobility.filter(|&finite| finite < instantaneous_mobility) {
         let lost = instantaneous_mobility - finite;
         let _ = writeln!(
@@ -222,7 +235,7 @@ fn text(report: &MobilityReport) -> String {
     text + &limits(&report.limits_broken)
 }
 
-fn sparse_text(report: &SparseMobilityReport) -> String {
+fn sparse_text(report: &SparseMobilityReport, unit: LengthUnit) -> String {
     let mut text = format!("mobility of {}, as assembled\n", report.name);
     let _ = writeln!(text, "freedoms");
     let _ = writeln!(text, "  of all joints        {:>3}", report.joint_freedoms);
@@ -235,7 +248,7 @@ fn sparse_text(report: &SparseMobilityReport) -> String {
     freedoms(&mut text, &report.freedoms);
     let values = [counted.as_slice(), zero.as_slice()];
     if report.loops > 0 {
-        spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
+        spectrum(&mut text, values, report.threshold, report.characteristic_length_mm, unit);
         let _ = writeln!(
             text,
             "  of the joint closures, by sparse algebra: the largest, the smallest above and the largest below the threshold"
@@ -260,7 +273,8 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     }
     freedoms(&mut text, &report.freedoms);
     let values = report.singular_values.split_at(report.freedoms.rank).into();
-    spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
+    let unit = input.coordinates.units().length;
+    spectrum(&mut text, values, report.threshold, report.characteristic_length_mm, unit);
     let _ = writeln!(
         text,
         "  singular values below the threshold and closure residuals below {CLOSURE_TOLERANCE:.0e} are treated as zero"
@@ -270,7 +284,7 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     text.push_str(&near_words(report));
     let _ = writeln!(text, "instantaneous motions of the links");
     for (link, motion) in &report.link_motions.0 {
-        let _ = writeln!(text, "  {link:<20} {}", motion_words(motion));
+        let _ = writeln!(text, "  {link:<20} {}", motion_words(motion, unit));
     }
     text
 }
@@ -358,19 +372,29 @@ fn near_words(report: &MechanismMobilityReport) -> String {
     text
 }
 
-fn motion_words(motion: &LinkMotionReport) -> String {
+/// A length of a report in another unit.
+fn in_unit(unit: LengthUnit, length_mm: f64) -> f64 {
+    unit.from_meters(m_from_mm(length_mm))
+}
+
+fn motion_words(motion: &LinkMotionReport, unit: LengthUnit) -> String {
     let LinkMotionReport { dimension, translations, pitch_mm_per_rad, axis_point_mm } = motion;
     match (dimension, pitch_mm_per_rad, axis_point_mm) {
         (0, ..) => "at rest".to_owned(),
         (1, Some(pitch), Some(point)) => {
             // An advance below round-off of the mechanism's size is zero.
-            let turns =
-                if pitch.abs() < 1e-9 * point.iter().fold(1.0, |most: f64, x| most.max(x.abs())) {
-                    "rotation about an axis".to_owned()
-                } else {
-                    format!("screw motion with an advance of {pitch:.6} mm/rad about an axis")
-                };
-            format!("{turns} through ({}) mm", point.map(|x| fixed(x, 4)).join(", "))
+            let turns = if pitch.abs()
+                < 1e-9 * point.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
+            {
+                "rotation about an axis".to_owned()
+            } else {
+                let pitch = fixed(in_unit(unit, *pitch), unit.decimals());
+                format!("screw motion with an advance of {pitch} {}/rad about an axis", unit.name())
+            };
+            // A tenth of a micrometre.
+            let decimals = unit.decimals().saturating_sub(2);
+            let point = point.map(|x| fixed(in_unit(unit, x), decimals)).join(", ");
+            format!("{turns} through ({point}) {}", unit.name())
         }
         (1, ..) => "translation".to_owned(),
         _ => format!(

@@ -211,10 +211,16 @@ impl Move {
                 })
                 .collect();
             let mobility = singular.instantaneous_mobility;
-            let branches = match singular.branches {
-                Some(1) => "one branch, on which the driven coordinates reverse".to_owned(),
-                Some(count) => format!("{count} branches cross"),
-                None => "branches undecided".to_owned(),
+            let branches = match (singular.branches, singular.drives_reverse) {
+                (Some(1), Some(true)) => {
+                    "one branch, on which the driven coordinates reverse".to_owned()
+                }
+                (Some(1), Some(false)) => {
+                    "one branch, on which the driven coordinates continue".to_owned()
+                }
+                (Some(1), None) => "one branch".to_owned(),
+                (Some(count), _) => format!("{count} branches cross"),
+                (None, _) => "branches undecided".to_owned(),
             };
             let at = at.join(", ");
             let _ = writeln!(text, "  {at}: instantaneous mobility {mobility}, {branches}");

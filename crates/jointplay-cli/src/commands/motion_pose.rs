@@ -88,6 +88,6 @@ pub(super) fn pose_motion(input: &Input, course: &PoseCourse<'_>) -> Result<Pose
     };
     let parameter = MotionParameter { name, values: course.values.clone() };
     let last = moved.waypoints.last();
-    let nearest = last.and_then(|last| nearest(&moved, point(&parameter.at(last.share))));
+    let nearest = last.and_then(|last| nearest(&moved, point(&parameter.value_at(last.share))));
     Ok(PoseMotion { moved, parameter, nearest })
 }

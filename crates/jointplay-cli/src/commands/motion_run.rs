@@ -16,7 +16,7 @@ pub(super) fn at_start(
     course: &Course,
     held: &[usize],
 ) -> Result<DVector<f64>, Failure> {
-    let to: Vec<(usize, f64)> = course.path.at(0.0).collect();
+    let to: Vec<(usize, f64)> = course.path.values_at(0.0).collect();
     if to.iter().all(|&(k, value)| value == from[k]) {
         return Ok(from);
     }

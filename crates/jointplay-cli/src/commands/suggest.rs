@@ -128,9 +128,11 @@ impl Suggest {
         // The search replaces the virtual joints of the file.
         let replaced = input.file.mechanism.virtual_joints().len();
         let destination = self.write.map(|_| self.destination(&input, replaced)).transpose()?;
+        let nearly_closed = input.nearly_assembled()?;
         let bare = input.file.mechanism.clone().with_virtual_joints(Vec::new());
         input.file.mechanism = bare.expect("a mechanism without virtual joints is valid");
-        let home = input.assembled(&[])?.coordinates;
+        input.note_search(&[], &nearly_closed);
+        let home = nearly_closed.coordinates;
         let all = self.commands(&input, &home)?;
         let Commands { commanded, values: commands } = &all;
         let working = Progress::of_work("comparing sets");
@@ -348,6 +350,12 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) 
             .map(|(name, value)| format!("{name} = {}", fixed(*value, 4)))
             .collect();
         let _ = writeln!(text, "  commanded {}", values.join(", "));
+    }
+    if let Some(residual) = report.home_residual {
+        let _ = writeln!(
+            text,
+            "rigid links do not close, by {residual:.1e} (radians and characteristic lengths): each set closes them too"
+        );
     }
     if !report.play_needed {
         text.push_str(if report.open_chain {

@@ -607,7 +607,8 @@ fn all_errors_of_a_program_are_reported_together() {
 #[test]
 fn a_program_that_moves_nothing_is_refused() {
     let sandbox = sandbox(&[]);
-    for text in ["", "# nothing\n", "HOME\n", "SPEED 50 %\nREPEAT 3\nEND\n"] {
+    let waits = "HOME\nWAIT 3 s\nREPEAT 2\n  WAIT 1 s\nEND\n";
+    for text in ["", "# nothing\n", "HOME\n", "SPEED 50 %\nREPEAT 3\nEND\n", waits] {
         sandbox.write("idle.program", text);
         for command in ["check", "run", "export"] {
             let run = sandbox.run(&format!("cell {command} example.toml idle.program"));

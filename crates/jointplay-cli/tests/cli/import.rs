@@ -173,7 +173,13 @@ fn a_guess_that_does_not_close_leads_to_the_nearest_closed_configuration() {
     // The crank is commanded to where the guess of the rocker does not lead.
     let run = sandbox.run("assemble four-bar --at D=170");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stderr.contains("using the nearest closed configuration"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains(
+            "the loops do not close from the guess: the nearest closed configuration found is used"
+        ),
+        "{}",
+        run.stderr
+    );
     let found = sandbox.json("assemble four-bar --at D=170 --quiet");
     assert!(found["residual"].as_f64().unwrap() < 1e-10);
     assert!(found["farthest_from_guess"]["value"].as_f64().unwrap().abs() > 1.0, "{found}");

@@ -45,6 +45,20 @@ fn texts() {
     }
 }
 
+/// The limits of the last joint admit the configuration of the guess a turn farther only.
+#[test]
+fn the_assembled_configuration_is_not_listed_as_another_a_turn_away() {
+    let sandbox = Sandbox::new();
+    let four_bar = sandbox.done("catalogue show four-bar");
+    let limited = four_bar.replace("name = \"D\"\n", "name = \"D\"\nlimits = [360, 380]\n");
+    sandbox.write("test.toml", &limited);
+    let found = sandbox.json("assemble test.toml --at A=30 --branches 30");
+    let of_last = |found: &serde_json::Value| found["coordinates"]["D"].as_f64().unwrap();
+    assert!((of_last(&found["closed"]) - 373.382_367).abs() < 1e-6, "{found}");
+    let [other] = &found["branches"].as_array().unwrap()[..] else { panic!("{found}") };
+    assert!((of_last(other).rem_euclid(360.0) - 116.298_738).abs() < 1e-6, "{found}");
+}
+
 #[test]
 fn mobility_equals_that_of_the_catalogue() {
     let sandbox = Sandbox::new();
@@ -375,11 +389,22 @@ fn a_stopped_motion_reports_its_position() {
     assert!(run.stderr.contains("a dead point"), "{}", run.stderr);
     // That point is singular, and the last of the series.
     let there = &found["singular"][0];
-    assert_eq!(there["branches"], 1);
+    assert_eq!((&there["branches"], &there["drives_reverse"]), (&1.into(), &true.into()));
     assert_eq!(
         there["coordinates"]["D"],
         *found["series"]["D_deg"].as_array().unwrap().last().unwrap()
     );
+}
+
+#[test]
+fn drives_that_continue_on_the_only_branch_do_not_reverse() {
+    let sandbox = Sandbox::new();
+    // Flat at 115°, where the third crank admits no antiparallelogram.
+    let text = sandbox.done("move parallelogram --drive A1=100:130:5");
+    let line = "A1 = 115.000000 deg: instantaneous mobility 2, one branch, on which the driven coordinates continue";
+    assert!(text.contains(line), "{text}");
+    let ends = sandbox.json("move parallelogram --drive A1=0:115");
+    assert_eq!(ends["singular"][0]["drives_reverse"], false, "{ends}");
 }
 
 #[test]
@@ -407,6 +432,31 @@ fn branches_of_different_dimension_are_reported() {
     assert_eq!(found["branch_dimensions"], serde_json::json!([1, 2]));
     let one = sandbox.done("mobility wunderlich-12-bar --format json");
     assert!(!one.contains("branch_dimensions"));
+}
+
+/// The written joints close the loops by another computation, with the mismatch of the links included.
+#[test]
+fn suggested_joints_close_measured_links_too() {
+    let sandbox = Sandbox::new();
+    let copied = sandbox.done("catalogue show bennett").replace("b = 0.11\n", "b = 0.1101\n");
+    sandbox.write("measured.toml", &copied);
+    let found = sandbox.json("suggest measured.toml --write 1 --out play.toml");
+    assert_eq!(found["play_needed"], true);
+    let residual = found["home_residual"].as_f64().unwrap();
+    assert!((1e-4..1e-3).contains(&residual), "{residual}");
+    let set = &found["sets"][0];
+    let commanded = found["commands"][0][0].as_f64().unwrap();
+    let closed = sandbox.json(&format!("sensitivity play.toml --command J1={commanded}"));
+    assert_eq!(closed["size_unit"], "um");
+    let size_mm = 1e-3 * closed["size"].as_f64().unwrap();
+    assert!((size_mm / set["size_mm"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{closed}");
+    let text = sandbox.done("suggest measured.toml");
+    assert!(text.contains("rigid links do not close, by 1.7e-4"), "{text}");
+    // With the joints in the file, the search starts from the configuration that they close.
+    let again = sandbox.json("suggest play.toml");
+    assert_eq!(again["play_needed"], true);
+    // Exact dimensions have no residual in the report.
+    assert!(sandbox.json("suggest parallelogram --command A1=5")["home_residual"].is_null());
 }
 
 /// Bennett's linkage with a length of four digits: rigid and not closed exactly, mobile within a tolerance.
@@ -663,6 +713,37 @@ fn links_that_do_not_fit_are_a_no() {
     );
     refused(&far, "mobility test.toml", 1, "the loops cannot be closed: best mismatch");
     refused(&far, "assemble test.toml", 1, "stays open by");
+    refused(&far, "suggest test.toml --command a=1", 1, "stays open by");
+}
+
+#[test]
+fn lengths_and_angles_are_in_the_units_of_the_file() {
+    let hinge = joint("a", "revolute", ["ground", "one"], [0.0; 3], Z);
+    let beyond = "[[joint]]\nname = \"b\"\nkind = \"revolute\"\nlinks = [\"ground\", \"one\"]\nframes = [{ point = [0, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }, { point = [3, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }]\n";
+    for (length, angle) in [("mm", "deg"), ("in", "rad")] {
+        let units = format!("units = {{ length = {length:?}, angle = {angle:?} }}");
+        let head = HEAD.replace("units = { length = \"mm\", angle = \"deg\" }", &units);
+        let open = format!("{head}{hinge}{beyond}");
+        refused(&open, "mobility test.toml", 1, &format!("are 3 {length} and "));
+        refused(&open, "mobility test.toml", 1, &format!(" {angle} apart"));
+    }
+    // An open chain of one crank.
+    let pin = joint("a", "revolute", ["ground", "one"], [100.0, 20.0, 0.0], Z);
+    for (length, axis) in [
+        ("mm", "rotation about an axis through (100.0000, 20.0000, 0.0000) mm"),
+        ("um", "rotation about an axis through (100.0, 20.0, 0.0) um"),
+        ("in", "rotation about an axis through (100.000000, 20.000000, 0.000000) in"),
+    ] {
+        let sandbox = Sandbox::new();
+        let head = HEAD.replace("\"mm\"", &format!("{length:?}"));
+        sandbox.write("test.toml", &format!("{head}{pin}"));
+        let text = sandbox.done("mobility test.toml");
+        assert!(text.contains(axis), "{text}");
+    }
+    let sandbox = Sandbox::new();
+    let text = sandbox.done("mobility bennett");
+    assert!(text.contains("lengths in units of 0.22 m\n"), "{text}");
+    assert!(text.contains(") m with a moment of "), "{text}");
 }
 
 #[test]

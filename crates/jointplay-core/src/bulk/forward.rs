@@ -144,7 +144,7 @@ impl Work<'_, '_> {
                     }
                 }
                 Err(error) => {
-                    self.status[i] = Status::of(&error).ok_or(error)?;
+                    self.status[i] = Status::from_error(&error).ok_or(error)?;
                     for (_, column) in &mut *self.wanted {
                         column[i] = f64::NAN;
                     }

@@ -114,7 +114,7 @@ impl Blocks<'_> {
         let (status, found) =
             match self.gpr.inverse(Tilt { azimuth, angle: tilt_angle }, AxisHeight(height)) {
                 Ok(rods) => (Status::Solved, rods),
-                Err(error) => (Status::of(&error).ok_or(error)?, [f64::NAN; 3]),
+                Err(error) => (Status::from_error(&error).ok_or(error)?, [f64::NAN; 3]),
             };
         self.status[i] = status;
         for (rods, rod) in self.rods.iter_mut().zip(found) {

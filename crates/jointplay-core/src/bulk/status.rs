@@ -56,7 +56,7 @@ impl Status {
 
     /// The status of a pose that fails with an error; `None` for errors that concern all poses alike.
     #[must_use]
-    pub fn of(error: &Error) -> Option<Self> {
+    pub fn from_error(error: &Error) -> Option<Self> {
         Some(match error {
             Error::NotFinite { .. } | Error::Linalg(LinalgError::NotFinite { .. }) => {
                 Self::NotFinite

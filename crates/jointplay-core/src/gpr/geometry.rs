@@ -302,7 +302,7 @@ mod tests {
         bad(
             Limits { rod_min: 0.754, ..limits },
             0.5,
-            "the rod limits are reversed: least 0.754 m, most 0.754 m",
+            "the rod limits are an empty range: least 0.754 m, most 0.754 m",
         );
         for tilt_max in [0.0, -0.1, std::f64::consts::FRAC_PI_2, 2.0] {
             bad(

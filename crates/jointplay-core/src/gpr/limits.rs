@@ -47,8 +47,8 @@ pub struct BrokenLimits {
 }
 
 impl BrokenLimits {
-    /// Some limits with the values of a pose.
-    pub(super) fn at(limits: Limits, rods: [f64; 3], tilt: Tilt, broken: [bool; 4]) -> Self {
+    /// Broken limits of a pose, with its values.
+    pub(super) fn new(limits: Limits, rods: [f64; 3], tilt: Tilt, broken: [bool; 4]) -> Self {
         Self { limits, rods, tilt_angle: tilt.angle.abs(), broken }
     }
 

@@ -82,7 +82,7 @@ impl Gpr {
         let tilted = self.plane_tilt(&rods).angle >= limits.tilt_max * (1.0 - AT_LIMIT);
         let reported = [0, 1, 2].map(|k| if beyond.rods()[k] { wanted[k] } else { rods[k] });
         let tilt = if beyond.tilt() { self.plane_tilt(wanted) } else { self.plane_tilt(&rods) };
-        let held_by = BrokenLimits::at(*limits, reported, tilt, [at[0], at[1], at[2], tilted]);
+        let held_by = BrokenLimits::new(*limits, reported, tilt, [at[0], at[1], at[2], tilted]);
         Some(NearestRods { rods, held_by })
     }
 

@@ -62,9 +62,9 @@ pub fn assemble(
     }
     let near_guess = best.clone();
     let (branches, best) = search(&system, &free, starts, best)?;
-    let mut loops = open_loops(&system.at(best.coordinates.clone())?);
+    let mut loops = open_loops(&system.with_home(best.coordinates.clone())?);
     loops.sort_by(|a, b| b.mismatch.total_cmp(&a.mismatch));
-    let couplings = open_couplings(&system.at(best.coordinates.clone())?);
+    let couplings = open_couplings(&system.with_home(best.coordinates.clone())?);
     let nearest = nearest_closure(mechanism, start, held, starts)?;
     // The residual of a system at the closure itself, whose reference point and characteristic length differ from the guess's.
     let at_closure = |closure: Closure| {
@@ -115,6 +115,25 @@ pub fn branches(
         found.insert(0, first);
     }
     Ok(found)
+}
+
+/// Whether all links have the same poses in two configurations, up to the difference by which assembled configurations are distinguished.
+///
+/// Coordinates that differ by whole turns are the same configuration.
+///
+/// # Arguments
+/// * `a`, `b` – (f + M) coordinates (m, rad)
+///
+/// # Errors
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
+pub fn is_same_configuration(
+    mechanism: &Mechanism,
+    a: &DVector<f64>,
+    b: &DVector<f64>,
+) -> Result<bool, Error> {
+    let system = MechanismSystem::new(mechanism, a.clone())?;
+    super::kinematics::check_coordinates(b, a.len())?;
+    Ok(same(&system, a, b))
 }
 
 /// The loops at home, with the frames that do not meet.

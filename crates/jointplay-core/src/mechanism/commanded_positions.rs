@@ -154,7 +154,7 @@ impl CommandedPositions {
                 Ok(residual) => (residual, Status::Solved),
                 Err(error) => {
                     coordinates.fill(f64::NAN);
-                    (f64::NAN, Status::of(&error).ok_or(error)?)
+                    (f64::NAN, Status::from_error(&error).ok_or(error)?)
                 }
             };
             row.copy_from_slice(coordinates.as_slice());

@@ -81,7 +81,7 @@ impl DrivePath {
     ///
     /// # Arguments
     /// * `share` – 0 at the start, 1 at the end
-    pub fn at(&self, share: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
+    pub fn values_at(&self, share: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
         let (segment, within) = Self::locate(share, self.segments());
         let values = self.points[segment].iter().zip(&self.points[segment + 1]);
         let values = values.map(move |(from, to)| from + (to - from) * within);
@@ -131,10 +131,10 @@ mod tests {
             (0..=90).map(|k| vec![f64::from(k).sqrt(), 0.1 * f64::from(k % 7)]).collect();
         let path = DrivePath::through(vec![4, 1], points.clone()).unwrap();
         for (k, point) in points.iter().enumerate() {
-            let at: Vec<(usize, f64)> = path.at(k as f64 / 90.0).collect();
+            let at: Vec<(usize, f64)> = path.values_at(k as f64 / 90.0).collect();
             assert_eq!(at, vec![(4, point[0]), (1, point[1])], "{k}");
         }
-        let between: Vec<(usize, f64)> = path.at(12.25 / 90.0).collect();
+        let between: Vec<(usize, f64)> = path.values_at(12.25 / 90.0).collect();
         let expected = points[12][0] + 0.25 * (points[13][0] - points[12][0]);
         assert!((between[0].1 - expected).abs() < 1e-13);
         let rate: Vec<(usize, f64)> = path.rate(12.25 / 90.0).collect();

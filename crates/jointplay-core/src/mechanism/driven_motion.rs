@@ -28,8 +28,10 @@ pub struct SingularConfiguration {
     pub instantaneous_mobility: usize,
     /// The least singular value found there, as a share of the largest.
     pub least_singular_value: f64,
-    /// How many branches of the motion meet there: 1 where the drives stop and no branches cross, `None` where second order does not decide.
+    /// How many branches of the motion meet there: 1 where no branches cross, `None` where second order does not decide.
     pub branches: Option<usize>,
+    /// Whether the drives reverse on the only branch, as at a dead point, or continue; `None` where several branches meet, or it is not decided.
+    pub drives_reverse: Option<bool>,
 }
 
 /// Why a motion stopped before its end.

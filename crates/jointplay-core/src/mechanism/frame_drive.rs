@@ -195,7 +195,7 @@ impl Measured {
         near: &DVector<f64>,
         share: f64,
     ) -> Result<Result<Relief, Stop>, Error> {
-        let mut values: Vec<f64> = self.path.at(share).map(|(_, value)| value).collect();
+        let mut values: Vec<f64> = self.path.values_at(share).map(|(_, value)| value).collect();
         let mut commanded = commanded.clone();
         loop {
             let mut start = near.clone();
@@ -204,12 +204,13 @@ impl Measured {
             }
             let f = self.joints + self.chains;
             start.rows_mut(f, near.len() - f).fill(0.0);
-            let found = match relieve(&at_home.at(start)?, &commanded, ReliefSolver::LeastNorm) {
-                Ok(found) => found,
-                Err(Error::NotRelieved { .. }) => return Ok(Err(Stop::Incompatible)),
-                Err(Error::NotLeast { .. }) => return Ok(Err(Stop::NotLeast)),
-                Err(other) => return Err(other),
-            };
+            let found =
+                match relieve(&at_home.with_home(start)?, &commanded, ReliefSolver::LeastNorm) {
+                    Ok(found) => found,
+                    Err(Error::NotRelieved { .. }) => return Ok(Err(Stop::Incompatible)),
+                    Err(Error::NotLeast { .. }) => return Ok(Err(Stop::NotLeast)),
+                    Err(other) => return Err(other),
+                };
             let joints = found.coordinates.rows(0, self.joints).into_owned();
             let beyond = self.mechanism.beyond_limits(&joints);
             let Some((worst, limit)) = worst(&beyond) else { return Ok(Ok(found)) };

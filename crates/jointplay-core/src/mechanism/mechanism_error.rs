@@ -1,5 +1,7 @@
 //! Errors of descriptions of mechanisms.
 
+use crate::error::range_fault;
+
 /// Why links and joints do not form a mechanism.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -82,7 +84,7 @@ pub enum MechanismError {
         expected: usize,
     },
     /// A lower limit that is not below its upper limit.
-    #[error("the limits of {name:?} are reversed: least {min}, most {max}")]
+    #[error("the limits of {name:?} are {}: least {min}, most {max}", range_fault(*.min, *.max))]
     LimitsReversed {
         /// Of which joint.
         name: String,

@@ -39,6 +39,7 @@ mod relieved_motion;
 mod self_stress;
 mod single_commands;
 mod singular;
+mod singular_search;
 mod small_commands;
 mod span;
 mod sparse;
@@ -54,7 +55,7 @@ mod virtual_candidates;
 mod virtual_sets;
 
 pub use crate::spatial::FrameTwist;
-pub use assembly::{assemble, branches, guess};
+pub use assembly::{assemble, branches, guess, is_same_configuration};
 pub use attached_frame::{AttachedFrame, FrameId};
 pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
 pub use closing::close;
@@ -80,8 +81,8 @@ pub use mechanism_error::MechanismError;
 pub use motion::{drive, drive_along};
 pub use nearest::nearest_closure;
 pub use posing::{
-    Posed, close_at_rest, close_commanded, close_sparse, commanded_guess, pose_commanded,
-    relieve_commanded,
+    Posed, close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess,
+    pose_commanded, relieve_commanded,
 };
 pub use position::{
     ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, Position,

@@ -21,18 +21,18 @@ const SHORT: f64 = 1e-9;
 pub(super) const LONGEST_STEP: f64 = 0.5;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
 pub(super) const SHORTEST_STEP: f64 = 1e-7;
-/// Halvings of a step in the search for a singular configuration.
-const HALVINGS: usize = 3;
 /// Singular values up to this share of the largest are not used for a step.
 pub(super) const STEP_THRESHOLD: f64 = 1e-9;
-/// A singular configuration is looked for no closer than to this least singular value, as a share of the largest.
-const FOUND: f64 = 1e-3 * SINGULAR;
 /// A motion that stops with a least singular value below this share of that of regular configurations is at a dead point.
 pub(super) const DEAD: f64 = 1e-2;
 /// Distance of a turning point that stops a step, as a share of the whole path.
 const AT_ONCE: f64 = 1e-4;
 /// First steps off a singular start, in radians and characteristic lengths of the drives, the longest first.
 const FIRST_STEPS: [f64; 3] = [1e-3, 1e-4, 1e-5];
+/// Off a branch, the mismatch near a singular start is of second order in the displacement: a configuration whose mismatch is above this share of the squared displacement is on no branch, although the loops count as closed.
+const OFF_BRANCH: f64 = 1e-3;
+/// Mismatches up to this one are round-off of closed loops, in radians and characteristic lengths.
+const CLOSED_EXACTLY: f64 = 1e-13;
 /// Corrections of a first step, which starts where the constraints are singular.
 const MAX_FIRST_CORRECTIONS: usize = 100;
 /// A branch is reached from a singular start if a quarter of a step leads to no more than this share of the displacement: half where the displacement grows with the root of the step, a quarter where it is proportional to it.
@@ -113,11 +113,18 @@ pub fn drive_along(
             {
                 there = run.step(&here, before, share, regular_rank)?;
             }
-            if there.is_none() && 0.5 * step < SHORTEST_STEP {
+            let is_singular_start = trail.len() == 1 && here.free_mobility > 0;
+            if is_singular_start {
+                there = there.filter(|there| run.is_on_branch(&here, there));
+            }
+            // From a singular start, shorter steps would count as closed along any tangent.
+            let shortest = if is_singular_start { run.first_step(&here) } else { SHORTEST_STEP };
+            if there.is_none() && 0.5 * step < shortest {
                 if trail.len() == 1 {
                     there = run.off_start(&here, target, regular_rank)?;
                 }
                 if there.is_none() {
+                    run.note_last_step(&trail, regular_rank, &mut motion.singular)?;
                     motion.stopped =
                         Some(run.stop(&mut here, &trail, regular_rank, &mut motion)?);
                     break 'path;
@@ -144,10 +151,13 @@ pub fn drive_along(
         motion.waypoints.push(here.clone());
         progress(k);
     }
-    if motion.stopped.is_some() && motion.waypoints.last() != Some(&here) {
+    if motion.stopped.is_none() {
+        run.note_last_step(&trail, regular_rank, &mut motion.singular)?;
+        if here.least_singular_value < SINGULAR && trail.len() > 1 {
+            motion.singular.push(run.singular(&here, regular_rank)?);
+        }
+    } else if motion.waypoints.last() != Some(&here) {
         motion.waypoints.push(here);
-    } else if motion.stopped.is_none() && here.least_singular_value < SINGULAR && trail.len() > 1 {
-        motion.singular.push(run.singular(&here, regular_rank)?);
     }
     Ok(motion)
 }
@@ -190,7 +200,7 @@ impl<'a> DriveProblem<'a> {
 
     /// Scaled Jacobian of the coordinates that follow.
     fn jacobian(&self, coordinates: &DVector<f64>, of: &[usize]) -> Result<DMatrix<f64>, Error> {
-        let here = self.system.at(coordinates.clone())?;
+        let here = self.system.with_home(coordinates.clone())?;
         let jacobian = here.full_jacobian(&here.at_home()).select_columns(of);
         let columns = DVector::from_iterator(of.len(), of.iter().map(|&k| self.columns[k]));
         Ok(scaled_jacobian(&jacobian, &self.rows, &columns))
@@ -220,7 +230,7 @@ impl<'a> DriveProblem<'a> {
     ///
     /// # Arguments
     /// * `tangent_at` – where the direction of the step is taken
-    fn step(
+    pub(super) fn step(
         &self,
         here: &Waypoint,
         tangent_at: &Waypoint,
@@ -228,7 +238,7 @@ impl<'a> DriveProblem<'a> {
         regular_rank: usize,
     ) -> Result<Option<Waypoint>, Error> {
         let by = self.predicted(here, tangent_at, share)?;
-        let predicted = self.system.at(here.coordinates.clone())?.moved(&by)?;
+        let predicted = self.system.with_home(here.coordinates.clone())?.moved(&by)?;
         let closed = close(&predicted, self.free, MAX_CORRECTIONS)?;
         let correction = self.size(&(&closed.coordinates - predicted.home()));
         let size = self.size(&by);
@@ -241,7 +251,7 @@ impl<'a> DriveProblem<'a> {
     }
 
     /// The configuration at a share of the path, in a step from a configuration before it, or in shorter ones.
-    fn reached(
+    pub(super) fn reached(
         &self,
         from: &Waypoint,
         share: f64,
@@ -267,7 +277,7 @@ impl<'a> DriveProblem<'a> {
     /// Displacement of the drives from here to a share of the path.
     fn driven(&self, here: &Waypoint, share: f64) -> DVector<f64> {
         let mut by = DVector::zeros(here.coordinates.len());
-        for (k, to) in self.path.at(share) {
+        for (k, to) in self.path.values_at(share) {
             by[k] = to - here.coordinates[k];
         }
         by
@@ -302,6 +312,18 @@ impl<'a> DriveProblem<'a> {
         Ok(by)
     }
 
+    /// The longest of the first steps off a singular start, as a share of the path.
+    fn first_step(&self, start: &Waypoint) -> f64 {
+        let whole = self.size(&self.rate(start.share));
+        if whole > 0.0 { (FIRST_STEPS[0] / whole).max(SHORTEST_STEP) } else { SHORTEST_STEP }
+    }
+
+    /// Whether a configuration near a singular start is on a branch, and not only so near to the start that every tangent closes the loops.
+    fn is_on_branch(&self, start: &Waypoint, there: &Waypoint) -> bool {
+        let moved = self.size(&(&there.coordinates - &start.coordinates));
+        there.residual <= (OFF_BRANCH * moved * moved).max(CLOSED_EXACTLY)
+    }
+
     /// A configuration a small step off a singular start, on a branch that leads back to it.
     fn off_start(
         &self,
@@ -312,7 +334,7 @@ impl<'a> DriveProblem<'a> {
         let whole = self.size(&self.rate(start.share));
         let svd = self.decomposed(&start.coordinates)?;
         let motions = svd.null_space(svd.rank(STEP_THRESHOLD));
-        let from = self.system.at(start.coordinates.clone())?;
+        let from = self.system.with_home(start.coordinates.clone())?;
         let mut random = Random(5);
         for length in FIRST_STEPS {
             let share = if whole > 0.0 { (length / whole).min(target) } else { target };
@@ -336,7 +358,10 @@ impl<'a> DriveProblem<'a> {
                 let Some((_, nearer)) = reach(0.25 * share)? else { continue };
                 if nearer <= NEARER * moved {
                     let there = self.decomposed(&closed.coordinates)?;
-                    return Ok(Some(self.waypoint(share, closed, &there, regular_rank)));
+                    let there = self.waypoint(share, closed, &there, regular_rank);
+                    if self.is_on_branch(start, &there) {
+                        return Ok(Some(there));
+                    }
                 }
             }
         }
@@ -351,7 +376,7 @@ impl<'a> DriveProblem<'a> {
         regular_rank: usize,
         motion: &mut DrivenMotion,
     ) -> Result<Stop, Error> {
-        let at = self.system.at(here.coordinates.clone())?;
+        let at = self.system.with_home(here.coordinates.clone())?;
         let start = trail.len() == 1;
         if start && here.free_mobility > 0 {
             let held = DrivenCurve::new(&at, self.free, None);
@@ -366,7 +391,7 @@ impl<'a> DriveProblem<'a> {
         if let Some((coordinates, beyond)) = curve.turning_point(regular_rank)?
             && beyond <= AT_ONCE * whole
         {
-            let there = self.system.at(coordinates)?;
+            let there = self.system.with_home(coordinates)?;
             let closed = Closure {
                 residual: there.mismatch(&there.at_home()),
                 coordinates: there.home().clone(),
@@ -391,67 +416,21 @@ impl<'a> DriveProblem<'a> {
     }
 
     /// A configuration that is singular, with what meets there.
-    fn singular(
+    pub(super) fn singular(
         &self,
         there: &Waypoint,
         regular_rank: usize,
     ) -> Result<SingularConfiguration, Error> {
-        let at = self.system.at(there.coordinates.clone())?;
+        let at = self.system.with_home(there.coordinates.clone())?;
         let curve = DrivenCurve::new(&at, self.free, Some(self.direction(there.share)));
+        let branches = curve.branches(regular_rank)?;
         Ok(SingularConfiguration {
             share: there.share,
             coordinates: there.coordinates.clone(),
             instantaneous_mobility: instantaneous_mobility(&at, &at.at_home(), SINGULAR)?.mobility,
             least_singular_value: there.least_singular_value,
-            branches: curve.branches(regular_rank)?,
+            branches: branches.count,
+            drives_reverse: branches.drives_reverse,
         })
-    }
-
-    /// Looks into a dip of the least singular value between the last three steps.
-    fn note_singular(
-        &self,
-        trail: &[Waypoint],
-        regular_rank: usize,
-        found: &mut Vec<SingularConfiguration>,
-    ) -> Result<(), Error> {
-        let count = trail.len();
-        if count < 3 {
-            return Ok(());
-        }
-        let values = [3, 2, 1].map(|back| trail[count - back].least_singular_value);
-        if values[1] > values[0] || values[1] >= values[2] {
-            return Ok(());
-        }
-        let (mut low, mut high) = (trail[count - 3].share, trail[count - 1].share);
-        let mut least = trail[count - 2].clone();
-        // Moves along: from near, a step to the singular configuration is predicted well.
-        let mut base = trail[count - 3].clone();
-        for _ in 0..60 {
-            if least.least_singular_value < FOUND || high - low < 1e-12 {
-                break;
-            }
-            let shares = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-            let [Some(a), Some(b)] = [
-                self.reached(&base, shares[0], regular_rank, HALVINGS)?,
-                self.reached(&base, shares[1], regular_rank, HALVINGS)?,
-            ] else {
-                break;
-            };
-            if a.least_singular_value < b.least_singular_value {
-                high = shares[1];
-            } else {
-                low = shares[0];
-                base = a.clone();
-            }
-            for candidate in [a, b] {
-                if candidate.least_singular_value < least.least_singular_value {
-                    least = candidate;
-                }
-            }
-        }
-        if least.least_singular_value < SINGULAR {
-            found.push(self.singular(&least, regular_rank)?);
-        }
-        Ok(())
     }
 }

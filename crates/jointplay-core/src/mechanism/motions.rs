@@ -76,7 +76,7 @@ impl<'a> Motions<'a> {
                 let mut at_rest = predicted;
                 let virtuals = at_rest.len() - joints;
                 at_rest.rows_mut(joints, virtuals).fill(0.0);
-                match relieve(&home.at(at_rest)?, commanded, ReliefSolver::LeastNorm) {
+                match relieve(&home.with_home(at_rest)?, commanded, ReliefSolver::LeastNorm) {
                     Ok(found) => Ok(Some(Closure {
                         coordinates: found.coordinates,
                         residual: found.residual,

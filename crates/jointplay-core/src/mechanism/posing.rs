@@ -86,6 +86,24 @@ pub fn close_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Cl
     }
 }
 
+/// The configuration of the rigid links from which virtual joints are suggested: closed, or where measured dimensions miss a closure by little.
+///
+/// With virtual joints, which a search replaces, it is that of [`close_at_rest`]; without them, the one that [`Unassembled::near_miss`] names.
+/// The suggested virtual joints then close the loops too.
+///
+/// # Errors
+/// Those of [`close_at_rest`], where the loops miss by more than a rounding of the dimensions.
+pub fn close_nearly(mechanism: &Mechanism) -> Result<Closure, Error> {
+    let home = match close_at_rest(mechanism, None) {
+        Err(Error::NotAssembled(found)) => {
+            found.near_miss().cloned().ok_or(Error::NotAssembled(found))?
+        }
+        home => home?,
+    };
+    let coordinates = home.coordinates.rows(0, mechanism.joint_freedoms()).into_owned();
+    Ok(Closure { coordinates, ..home })
+}
+
 /// The configuration of least displacement with the actuators at their guesses, with the virtual joints back at rest.
 fn at_rest_by_play(mechanism: &Mechanism) -> Result<Closure, Error> {
     let Relief { mut coordinates, iterations, .. } = relief_at_guess(mechanism)?;

@@ -46,7 +46,7 @@ pub fn drive_relieved(
     let at_rest = |values: &DVector<f64>| {
         let mut at_rest = values.clone();
         at_rest.rows_mut(joints, values.len() - joints).fill(0.0);
-        start.at(at_rest)
+        start.with_home(at_rest)
     };
     let first = relieve(&at_rest(start.home())?, &commanded, ReliefSolver::LeastNorm)?;
     let closed = |coordinates: DVector<f64>, residual: f64, iterations: usize| Closure {
@@ -69,7 +69,7 @@ pub fn drive_relieved(
         motion.steps += 1;
         let share = k as f64 / count as f64;
         let mut to = here.coordinates.clone();
-        for (k, value) in path.at(share) {
+        for (k, value) in path.values_at(share) {
             to[k] = value;
         }
         let mut position = to.clone();

@@ -20,6 +20,8 @@ const QUADRIC_THRESHOLD: f64 = 1e-4;
 const RADIUS: f64 = 1e-2;
 /// A branch leaves its tangent by no more than this share of [`RADIUS`].
 const BENT: f64 = 0.1;
+/// Displacements of the drives up to this one at [`RADIUS`] from a singular configuration are round-off of the place of that configuration, which is found to [`SINGULAR`].
+const DRIVES_AT_REST: f64 = 10.0 * SINGULAR * RADIUS;
 /// Residual of a configuration on the curve, scaled.
 const ON_CURVE: f64 = 1e-13;
 /// Corrections onto the curve.
@@ -27,6 +29,14 @@ const MAX_CORRECTIONS: usize = 20;
 /// First step along the curve toward a turning point, and how far one is looked for.
 const FIRST_STEP: f64 = 1e-4;
 const FARTHEST: f64 = 0.3;
+
+/// The branches of a motion that meet at a configuration.
+pub(super) struct MeetingBranches {
+    /// How many: 1 where none cross, `None` where second order does not decide.
+    pub(super) count: Option<usize>,
+    /// Whether the drives reverse on the only branch; `None` where several branches meet, or it is not decided.
+    pub(super) drives_reverse: Option<bool>,
+}
 
 /// A displacement to the curve, and an orthonormal basis of its tangent directions.
 type OnCurve = (DVector<f64>, DMatrix<f64>);
@@ -151,16 +161,18 @@ impl<'a> DrivenCurve<'a> {
         Ok(Some((self.coordinates(&found), found[along])))
     }
 
-    /// How many branches of the motion meet here: 1 where none cross, `None` where second order does not decide.
+    /// The branches of the motion that meet here.
     ///
     /// # Arguments
     /// * `rank` – of the constraints at configurations nearby
-    pub(super) fn branches(&self, rank: usize) -> Result<Option<usize>, Error> {
+    pub(super) fn branches(&self, rank: usize) -> Result<MeetingBranches, Error> {
         let here = self.here();
         let first = instantaneous_mobility(self, &here, CROSSING)?;
         if first.rank >= rank {
-            return Ok(Some(1));
+            let drives_reverse = self.drives_reverse(&first.null_space, rank)?;
+            return Ok(MeetingBranches { count: Some(1), drives_reverse });
         }
+        let undecided = MeetingBranches { count: None, drives_reverse: None };
         let quadrics = quadrics(self, &here, &first);
         let largest = quadrics.iter().map(DMatrix::amax).fold(0.0, f64::max);
         let h = first.mobility;
@@ -172,20 +184,57 @@ impl<'a> DrivenCurve<'a> {
         let stopped = stacked.singular_values.iter().filter(|&&value| value > cut).count();
         // Motions on which no quadric depends, such as idle freedoms, continue along every branch.
         if largest <= QUADRIC_THRESHOLD || stopped != 2 {
-            return Ok(None);
+            return Ok(undecided);
         }
         let plane = stacked.v.columns(0, 2);
-        let Some(lines) = lines(&quadrics, &plane.into_owned(), cut)? else { return Ok(None) };
-        let mut branches = 0;
+        let Some(lines) = lines(&quadrics, &plane.into_owned(), cut)? else {
+            return Ok(undecided);
+        };
+        let mut branches = Vec::new();
         for line in lines {
-            let by = &first.null_space * (plane * line) * RADIUS;
-            if let Some((there, _)) = self.on_curve(by.clone(), rank)?
-                && (there - &by).norm() <= BENT * RADIUS
-            {
-                branches += 1;
+            let tangent = &first.null_space * (plane * line);
+            if self.followed(&tangent, rank)?.is_some() {
+                branches.push(tangent);
             }
         }
-        Ok((branches > 0).then_some(branches))
+        match &branches[..] {
+            [] => Ok(undecided),
+            [only] => {
+                let tangent = DMatrix::from_column_slice(only.len(), 1, only.as_slice());
+                let drives_reverse = self.drives_reverse(&tangent, rank)?;
+                Ok(MeetingBranches { count: Some(1), drives_reverse })
+            }
+            _ => Ok(MeetingBranches { count: Some(branches.len()), drives_reverse: None }),
+        }
+    }
+
+    /// The point of the curve at [`RADIUS`] along a tangent of unit length, if the curve leaves the tangent by little up to there.
+    fn followed(&self, tangent: &DVector<f64>, rank: usize) -> Result<Option<DVector<f64>>, Error> {
+        let by = tangent * RADIUS;
+        let there = self.on_curve(by.clone(), rank)?.map(|(there, _)| there);
+        Ok(there.filter(|there| (there - &by).norm() <= BENT * RADIUS))
+    }
+
+    /// Whether the drives are displaced to the same side along a branch and against it; `None` where the branch is not followed to both sides, or the drives rest on it.
+    ///
+    /// Among several tangents, which idle freedoms add to the one of the branch, the one along which the drives move most decides.
+    fn drives_reverse(&self, tangents: &DMatrix<f64>, rank: usize) -> Result<Option<bool>, Error> {
+        let along = self.free.len();
+        let mut most = (DRIVES_AT_REST, None);
+        for tangent in tangents.column_iter() {
+            let tangent = tangent.into_owned();
+            let (Some(there), Some(back)) =
+                (self.followed(&tangent, rank)?, self.followed(&-tangent, rank)?)
+            else {
+                continue;
+            };
+            let sides = [there[along], back[along]];
+            let moved = sides[0].abs().min(sides[1].abs());
+            if moved > most.0 {
+                most = (moved, Some(sides[0] * sides[1] > 0.0));
+            }
+        }
+        Ok(most.1)
     }
 }
 

@@ -13,6 +13,7 @@ use super::{
     close, relieve,
 };
 use crate::Error;
+use crate::constraint::System as _;
 
 /// Sets of one size tried with the whole kinematics, best first by the linear estimate.
 const MAX_TRIED: usize = 150;
@@ -51,6 +52,8 @@ pub struct Suggestion {
 pub struct Suggestions {
     /// Whether any play is needed at all: `false` where the links alone allow every command.
     pub needed: bool,
+    /// Largest mismatch of the rigid links at home, in radians and characteristic lengths: above that of closed loops where every set also closes them.
+    pub home_residual: f64,
     /// Configuration of the rigid links for each command, if no play is needed: (f) coordinates (m, rad).
     pub without_play: Vec<DVector<f64>>,
     /// Joint coordinates that are beyond their limits there.
@@ -116,7 +119,7 @@ impl Suggestions {
 /// Joints that the commands leave undetermined stay as near home as they can, see [`CommandedJoints`].
 ///
 /// # Arguments
-/// * `home` – (f) closed coordinates without virtual joints (m, rad)
+/// * `home` – (f) coordinates without virtual joints, closed or nearly closed, see [`super::close_nearly`] (m, rad)
 /// * `commanded` – indices of the commanded coordinates
 /// * `commands` – values of these coordinates, a vector for each command (m, rad)
 /// * `options` – extent and order of the search
@@ -138,10 +141,12 @@ pub fn suggest(
     }
     let bare = with(mechanism, &[]);
     let at_home = MechanismSystem::new(&bare, home.clone())?;
+    let home_residual = at_home.mismatch(&at_home.at_home());
     let commanded = CommandedJoints::new(&at_home, commanded)?;
     if let Some(without_play) = possible_without_play(&at_home, &commanded, commands)? {
         return Ok(Suggestions {
             needed: false,
+            home_residual,
             beyond_limits: beyond(&bare, &without_play),
             without_play,
             sets: Vec::new(),
@@ -255,7 +260,7 @@ pub fn suggest(
             found.push((set, suggestion));
         }
     }
-    let length = crate::constraint::System::characteristic_length(&at_home);
+    let length = at_home.characteristic_length();
     let rank = |set: &Suggestion| match options.rank {
         SuggestionRank::Norm => set.size,
         SuggestionRank::Largest => set.largest_in_metric(length),
@@ -279,6 +284,7 @@ pub fn suggest(
     });
     Ok(Suggestions {
         needed: true,
+        home_residual,
         without_play: Vec::new(),
         beyond_limits: Vec::new(),
         sets,
@@ -302,7 +308,7 @@ fn possible_without_play(
         (0..home.home().len()).filter(|k| !commanded.coordinates().contains(k)).collect();
     let mut found = Vec::with_capacity(commands.len());
     for command in commands {
-        let start = home.at(commanded.start(command.iter().copied(), 0))?;
+        let start = home.with_home(commanded.start(command.iter().copied(), 0))?;
         let closed = close(&start, &free, MAX_CORRECTIONS)?;
         if !closed.is_closed() {
             return Ok(None);

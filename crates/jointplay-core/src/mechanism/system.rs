@@ -107,7 +107,7 @@ impl<'a> MechanismSystem<'a> {
     ///
     /// # Errors
     /// As [`MechanismSystem::new`].
-    pub fn at(&self, home: DVector<f64>) -> Result<Self, Error> {
+    pub fn with_home(&self, home: DVector<f64>) -> Result<Self, Error> {
         check_coordinates(&home, self.home.len())?;
         let (reference, _) = middle(&self.kinematics, &home);
         Ok(Self { home, reference, ..self.clone() })

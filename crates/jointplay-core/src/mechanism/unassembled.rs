@@ -8,7 +8,7 @@ const NEARLY_CLOSED: f64 = 1e-3;
 
 /// Loops that could not be closed from the guess.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{}", self.message())]
+#[error("{}", self.message(|distance, angle| format!("{distance:.3e} m and {angle:.3e} rad")))]
 pub struct Unassembled {
     /// The least mismatch found.
     pub best: Closure,
@@ -89,7 +89,12 @@ impl Unassembled {
         self.within(NEARLY_CLOSED)
     }
 
-    fn message(&self) -> String {
+    /// The message, with the gap of the most open loop in units of the caller.
+    ///
+    /// # Arguments
+    /// * `gap` – the text of a distance and an angle (m, rad)
+    #[must_use]
+    pub fn message(&self, gap: impl Fn(f64, f64) -> String) -> String {
         let near_miss = self.near_miss().map_or(String::new(), |closure| {
             format!(
                 "; they close to {:.1e} (radians and characteristic lengths), which may be the rounding of the dimensions: a larger tolerance takes them as closed",
@@ -106,7 +111,8 @@ impl Unassembled {
             (Some(open), None) => {
                 let OpenLoop { joint, links: [first, second], mismatch, distance, angle } = open;
                 format!(
-                    "; the loop closed by joint {joint:?} stays open by {mismatch:.3e}: its frames on links {first:?} and {second:?} are {distance:.3e} m and {angle:.3e} rad apart"
+                    "; the loop closed by joint {joint:?} stays open by {mismatch:.3e}: its frames on links {first:?} and {second:?} are {} apart",
+                    gap(*distance, *angle)
                 )
             }
             (None, None) => String::new(),

@@ -12,44 +12,57 @@ use crate::random::Random;
 
 /// Tolerances that are taken: round-off of closures along a motion stays below the least, and dimensions off by more than a hundredth describe another mechanism.
 pub const TOLERANCES: RangeInclusive<f64> = 1e-11..=1e-2;
-/// Distance for which a motion is followed, in radians and characteristic lengths.
-const RADIUS: f64 = 0.3;
-/// Steps out to there.
-const STEPS: u32 = 10;
-/// Directions with singular values up to this are followed: in linear approximation, a motion with a larger one leaves the band of the largest tolerance within [`RADIUS`].
+/// Distance for which a motion is followed, in radians and characteristic lengths: 17°, or a third of the mechanism's size.
 ///
-/// A motion with singular value σ misses by σ t after a distance t, which is a hundredth at 0.3 for σ = 0.03; one whose residual changes direction may start with a larger value.
-const CANDIDATES: f64 = 0.1;
+/// It defines what a finite motion within a tolerance is, and therefore the result: over a distance t, a constraint of singular value σ is missed by about σ t.
+const RADIUS: f64 = 0.3;
+/// Steps out to there: the prediction of the fitted coordinates, which is linear, misses by half the square of a step, 5e-4 times their curvature, and corrections remove that.
+const STEPS: u32 = 10;
+/// A motion whose residual changes direction on the path may start with a singular value larger by this factor than one along which it does not.
+const TURNING_RESIDUAL: f64 = 3.0;
+/// Directions with singular values up to this are followed: those that may stay within the largest tolerance, see [`largest_value_within`].
+const CANDIDATES: f64 = largest_value_within(*TOLERANCES.end());
 /// Singular values up to this belong to motions that are tried first, all together: those of exact dimensions.
+///
+/// It decides no result, only the order: the motions are taken together only if all of them stay within the least tolerance, and one by one otherwise.
 const EXACT: f64 = 1e-9;
-/// Random subspaces of the candidates that are followed for each number of motions.
+/// Random subspaces of the candidates that are followed for each number of motions, next to the one of least singular values and the enlarged one of the number before.
+///
+/// The least tolerance counts, so that further ones cost time, and too few may overestimate the tolerance.
 const MIXTURES: usize = 2;
-/// A subspace that needs no more than this many times what first order asks of the best one is taken without trying others.
-const NEAR_LEAST: f64 = 3.0;
-/// How often a subspace is rotated to the ends of its motions.
+/// A subspace that needs no more than this many times what first order asks of the best one is taken without trying others: within the factor by which first order itself is uncertain.
+const NEAR_LEAST: f64 = TURNING_RESIDUAL;
+/// How often a subspace is rotated to the ends of its motions: the first rotation starts from an arbitrary mixture, the second from ends that have converged to the motions.
 const REFINED: usize = 2;
-/// Directions that mix those of a subspace: motions on two branches are possible one by one, but not mixed.
+/// Directions that mix those of a subspace: motions on two branches are possible one by one, but not mixed. One may by chance be on a third branch.
 const MIXED: usize = 2;
-/// Corrections at one step.
+/// Corrections at one step: where each only halves the residual, they take it from the largest tolerance to the least one.
 const MAX_CORRECTIONS: usize = 30;
-/// Longest correction, in radians and characteristic lengths.
+/// Longest correction, in radians and characteristic lengths: some three steps; a longer one may lead to another branch.
 const LONGEST_CORRECTION: f64 = 0.1;
-/// Damping of a correction by so much keeps out what singular values of zero would do.
+/// Least damping of a correction, a tenth of the least tolerance: smaller singular values move nothing, however small the residual is.
 const LEAST_DAMPING: f64 = 1e-12;
-/// Halvings of a correction that gains nothing.
+/// Halvings of a correction that gains nothing: to a sixty-fourth, below which the next linearization is no other.
 const MAX_HALVINGS: usize = 6;
-/// A correction that leaves more than this share of the residual is the last.
+/// A correction that leaves more than this share of the residual is the last: it is at the best fit, where the residual is orthogonal to all motions.
 const STALLED: f64 = 0.99;
-/// Distance at which configurations on a branch are searched for, if branches may cross at the given one.
+/// Distance at which configurations on a branch are searched for, if branches may cross at the given one: a third of [`RADIUS`], so that the motions from there pass the given configuration's neighbourhood and leave it.
 const BRANCH_RADIUS: f64 = 0.1;
 /// Nearer than this share of it is the given configuration found again.
 const SAME_POINT: f64 = 0.3;
-/// Such configurations whose motions are followed.
+/// Such configurations whose motions are followed; each costs as much as the given one.
 const BRANCHES: usize = 3;
 /// A near miss is worth a hint up to this tolerance: about the digits that dimensions are printed with.
 const HINTED: f64 = 1e-4;
-/// Near misses are searched for by default up to this many coordinates.
+/// Near misses are searched for by default up to this many coordinates: every correction of every direction decomposes a matrix with so many columns.
 const DEFAULT_SEARCH_COORDINATES: usize = 64;
+
+/// Largest singular value of a motion that may stay within a tolerance for [`RADIUS`].
+///
+/// In linear approximation, a motion with singular value σ misses by σ t after a distance t.
+const fn largest_value_within(tolerance: f64) -> f64 {
+    TURNING_RESIDUAL * tolerance / RADIUS
+}
 
 /// Motions that are possible within a tolerance, and the tolerance that they need.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -397,7 +410,7 @@ pub fn near_miss<S: System + ?Sized>(
 ) -> Result<Option<NearMiss>, Error> {
     let first = &finite.instantaneous;
     // A motion that a small tolerance allows is instantaneous, or nearly so.
-    let small = first.smallest_nonzero().is_some_and(|least| least <= 10.0 * HINTED);
+    let small = first.smallest_nonzero().is_some_and(|least| least <= largest_value_within(HINTED));
     if !small && finite.mobility == Some(first.mobility) {
         return Ok(None);
     }

@@ -8,6 +8,7 @@ use jointplay_cell::robot::{
 use jointplay_cell::station::teach::TeachError;
 use jointplay_cell::wafer::{DroopError, RejectedBranch, SagError, Unreachable};
 use jointplay_cell::workcell::Cell;
+use jointplay_core::range_fault;
 
 use crate::number::number;
 use crate::units::{deg, mm};
@@ -26,7 +27,8 @@ pub fn explain(error: &CellError) -> String {
             with_unit(*max, unit)
         ),
         CellError::LimitsReversed { what, min, max, unit } => format!(
-            "the limits of {what} are reversed: least {}, most {}",
+            "the limits of {what} are {}: least {}, most {}",
+            range_fault(*min, *max),
             with_unit(*min, unit),
             with_unit(*max, unit)
         ),

@@ -1,6 +1,7 @@
 //! Errors of mechanism files.
 
 use jointplay_core::mechanism::MechanismError;
+use jointplay_core::range_fault;
 
 use crate::file_problem::FileProblem;
 use crate::number::{counted, number};
@@ -72,7 +73,10 @@ pub enum Problem {
         found: usize,
     },
     /// A lower limit that is not below its upper limit.
-    #[error("`limits` are reversed: least {}, most {}", number(*.min), number(*.max))]
+    #[error(
+        "`limits` are {}: least {}, most {}",
+        range_fault(*.min, *.max), number(*.min), number(*.max)
+    )]
     LimitsReversed {
         /// Lower limit.
         min: f64,

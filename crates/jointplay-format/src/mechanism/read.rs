@@ -379,7 +379,7 @@ mod tests {
         refuse("[-90, 90]", "[90, -90]", "[90, -90]", "reversed: least 90, most -90");
         refuse("[-90, 90]", "[90]", "[90]", "pairs of least and greatest");
         refuse("[[-1, 1], [-2, \"alpha\"]]", "[-1, 1]", "[-1, 1]", "needs 2 pairs, one for each");
-        refuse("[[-1, 1],", "[[1, 1],", "[1, 1]", "reversed");
+        refuse("[[-1, 1],", "[[1, 1],", "[1, 1]", "`limits` are an empty range: least 1, most 1");
         refuse("guess = 30", "guess = [1, 2]", "[1, 2]", "needs 1 numbers");
         refuse("linear = 0.02", "linear = -0.02", "-0.02", "`linear` is -0.02");
         refuse("clearance = 0.5", "clearance = 0", "0", "has to be positive");

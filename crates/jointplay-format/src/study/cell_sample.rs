@@ -183,7 +183,7 @@ impl Subject {
         let Some(cell) = self.cell_of(values) else { return ProgramOutcome::InvalidCell };
         let Some(text) = self.program_of(values) else { return ProgramOutcome::InvalidProgram };
         let Ok(program) = program::parse(&text) else { return ProgramOutcome::InvalidProgram };
-        let (trajectory, report) = match planner.plan(&cell, &program, &PlanOptions::default()) {
+        let (_, report) = match planner.plan(&cell, &program, &PlanOptions::default()) {
             Ok(planned) => planned,
             Err(PlanError::Cell(_)) => return ProgramOutcome::InvalidCell,
             Err(PlanError::Program(errors)) => {
@@ -195,17 +195,16 @@ impl Subject {
             Err(PlanError::Trajectory(_)) => return ProgramOutcome::NoTrajectory,
             Err(PlanError::Interrupted(_)) => unreachable!("nothing stops the plan"),
         };
-        if trajectory.steps.is_empty() {
-            return ProgramOutcome::NoMotion;
-        }
+        let outcome = match report.result {
+            CheckResult::Passed => ProgramOutcome::Passed,
+            CheckResult::Failed => ProgramOutcome::Violations,
+            CheckResult::NoMotion => return ProgramOutcome::NoMotion,
+        };
         let figures = KeyFigures::of(&report);
         for (entry, quantity) in row.iter_mut().zip(&self.quantities) {
             *entry = quantity.of(&figures, report.result);
         }
-        match report.result {
-            CheckResult::Passed => ProgramOutcome::Passed,
-            CheckResult::Failed => ProgramOutcome::Violations,
-        }
+        outcome
     }
 
     /// A function that computes samples one after the other; the planner reuses what is equal in both, which changes no bit.

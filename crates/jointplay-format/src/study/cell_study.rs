@@ -440,7 +440,7 @@ fn facts(
         format!("{} {} {number} {}", one.key, one.name, fact::exact(values))
     });
     let shown = varied.iter().map(|one| {
-        let values = fact::shown(&one.values.values, |value| one.unit.of_typed(value));
+        let values = fact::shown(&one.values.values, |value| one.unit.typed_from_si(value));
         format!("{}{} {values}", one.name, one.unit.suffix())
     });
     let values = Fact {

@@ -317,7 +317,7 @@ fn facts(
     let of_drives = plan.drives.iter().map(|one| {
         let (k, name) = (one.coordinate, &coordinates.all()[one.coordinate].name);
         let unit = unit(units, coordinates, k);
-        let shown = fact::shown(&one.values, |value| unit.of_typed(value));
+        let shown = fact::shown(&one.values, |value| unit.typed_from_si(value));
         let shown = format!("{name} {shown} {}", unit.code().unwrap_or_default());
         [format!("{k} {}", fact::exact(&one.values)), shown]
     });

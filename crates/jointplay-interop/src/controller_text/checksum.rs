@@ -60,7 +60,7 @@ impl Checksum {
     }
 
     /// The checksum of bytes.
-    pub(crate) fn of(self, bytes: &[u8]) -> i64 {
+    pub(crate) fn compute(self, bytes: &[u8]) -> i64 {
         let mut digest = self.digest();
         digest.update(bytes);
         digest.value()
@@ -113,11 +113,11 @@ mod tests {
             let byte = |two: &[char]| u8::from_str_radix(&String::from_iter(two), 16).unwrap();
             let bytes: Vec<u8> = digits.chunks(2).map(byte).collect();
             let (_, checksum) = Checksum::ALL.iter().find(|(name, _)| *name == &record[0]).unwrap();
-            assert_eq!(checksum.of(&bytes).to_string(), &record[2], "{record:?}");
+            assert_eq!(checksum.compute(&bytes).to_string(), &record[2], "{record:?}");
             // In parts, as of a file.
             let mut digest = checksum.digest();
             bytes.chunks(3).for_each(|part| digest.update(part));
-            assert_eq!(digest.value(), checksum.of(&bytes));
+            assert_eq!(digest.value(), checksum.compute(&bytes));
             names.insert(record[0].to_owned());
         }
         // All of them; one has two names.

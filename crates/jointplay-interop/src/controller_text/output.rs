@@ -88,7 +88,7 @@ impl<'f> Output<'f> {
                 })?,
                 None => text.to_owned(),
             };
-            let checksum = self.format.checksum.map_or(0, |one| one.of(covered.as_bytes()));
+            let checksum = self.format.checksum.map_or(0, |one| one.compute(covered.as_bytes()));
             match &self.format.line {
                 Some(template) => self.text.push_str(&template.fill(|name| match name {
                     "number" => Value::Integer(numbered),

@@ -64,7 +64,7 @@ pub(crate) struct Decimals {
 }
 
 impl Decimals {
-    fn of(self, kind: Kind) -> usize {
+    fn for_kind(self, kind: Kind) -> usize {
         if kind == Kind::Time { self.times } else { self.values }
     }
 }
@@ -192,7 +192,7 @@ impl Field {
             None => expression(text, format, names)?,
         };
         let spec =
-            FormatSpec::parse(format, kind, decimals.of(kind)).map_err(FieldError::Format)?;
+            FormatSpec::parse(format, kind, decimals.for_kind(kind)).map_err(FieldError::Format)?;
         Ok(Self { source, spec, text: text.trim().to_owned(), place })
     }
 

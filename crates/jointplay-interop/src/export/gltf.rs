@@ -72,7 +72,7 @@ pub fn gltf_within(
     tolerance: f64,
 ) -> Result<Vec<u8>, Error> {
     check_tolerance(tolerance)?;
-    let scene = Scene::of(motion_export, key_times(motion_export, rate)?, true)?;
+    let scene = Scene::at_times(motion_export, key_times(motion_export, rate)?, true)?;
     let mut document = Document::default();
     let mut parts = Parts::default();
     // The first node is the base, whose children are known at the end.

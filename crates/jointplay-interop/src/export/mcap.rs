@@ -81,7 +81,7 @@ pub fn write(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<u8>, Err
     motion_export.check_rate(rate)?;
     let samples: Vec<Sample> = motion_export.motion.samples(rate).collect();
     let times = samples.iter().map(|sample| sample.time).collect();
-    let scene = Scene::of(motion_export, times, false)?;
+    let scene = Scene::at_times(motion_export, times, false)?;
     let options = WriteOptions::new()
         .compression(None)
         .profile("ros2")

@@ -83,7 +83,7 @@ impl Scene {
     /// # Arguments
     /// * `times` – in growing order (s)
     /// * `with_rates` – whether to compute the rates
-    pub(super) fn of(
+    pub(super) fn at_times(
         motion_export: &MotionExport<'_>,
         times: Vec<f64>,
         with_rates: bool,

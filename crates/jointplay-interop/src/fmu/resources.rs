@@ -48,7 +48,7 @@ struct NamedValue {
 impl Resources {
     /// The model of a file without choices.
     #[must_use]
-    pub fn of(model: impl Into<String>) -> Self {
+    pub fn for_model(model: impl Into<String>) -> Self {
         let (parameters, start) = (Vec::new(), Vec::new());
         Self { model: model.into(), parameters, start, virtualization: None }
     }
@@ -127,7 +127,7 @@ mod tests {
             parameters: named.clone(),
             start: named,
             virtualization: Some("polar".to_owned()),
-            ..Resources::of("kind = \"gpr\"")
+            ..Resources::for_model("kind = \"gpr\"")
         };
         let files = resources.files();
         let read = Resources::parse([&files[0].1, &files[1].1]).unwrap();

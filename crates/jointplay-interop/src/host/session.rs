@@ -250,7 +250,7 @@ impl<'l> HostSession<'l> {
                 Some(template) => template.fill(|_| text_value()).ok()?,
                 None => text.to_owned(),
             };
-            let checksum = input.checksum.map_or(0, |one| one.of(covered.as_bytes()));
+            let checksum = input.checksum.map_or(0, |one| one.compute(covered.as_bytes()));
             let written = match &input.line {
                 Some(template) => template
                     .fill(|name| match name {

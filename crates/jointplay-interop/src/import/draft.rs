@@ -155,7 +155,7 @@ impl<'a> Draft<'a> {
         numbered.into_iter().find(|name| is_free(name)).expect("names are finitely many")
     }
 
-    /// The name for a constraint that has one in the model: with a number if a joint has the same.
+    /// The name for a constraint that has one in the model: with a number, and a remark, if a joint has the same.
     pub(super) fn constraint_name(
         &mut self,
         name: &str,
@@ -164,8 +164,12 @@ impl<'a> Draft<'a> {
         if !self.constraints.insert(name.to_owned()) {
             return Err(self.xml.error(place, MechanismError::NameTwice { name: name.to_owned() }));
         }
-        let is_free = self.joint(name).is_none() && !self.is_coupling(name);
-        Ok(if is_free { name.to_owned() } else { self.fresh(name.to_owned()) })
+        if self.joint(name).is_none() && !self.is_coupling(name) {
+            return Ok(name.to_owned());
+        }
+        let fresh = self.fresh(name.to_owned());
+        self.remark(format!("constraint {name:?} is called {fresh:?}: a joint has its name"));
+        Ok(fresh)
     }
 
     pub(super) fn ignore(&mut self, what: impl Into<String>) {

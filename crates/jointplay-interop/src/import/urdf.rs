@@ -226,6 +226,10 @@ fn joint<'a>(
             "revolute" | "prismatic" if has_bounds => {
                 draft.ignore("limit whose lower is not below its upper");
             }
+            // By the format, both ends are 0 by default, which would lock the joint. Files that omit them mean a joint without limits, and programs disagree.
+            "revolute" | "prismatic" => {
+                draft.ignore("limit without lower and upper, which are 0 by default, of a joint that is imported without limits");
+            }
             other if has_bounds => draft.ignore(format!("limit of a {other} joint")),
             _ => {}
         }
@@ -344,6 +348,25 @@ mod tests {
             let listed = format!("1 × limit of a {kind} joint");
             assert_eq!(model.ignored.contains(&listed), !has_limits, "{:?}", model.ignored);
         }
+    }
+
+    #[test]
+    fn limits_without_ends_are_listed() {
+        let bare = |kind: &str, ends: &str| {
+            let text = ARM.replace("lower=\"-1\" upper=\"1\" ", ends);
+            assert_ne!(text, ARM);
+            let model = testing::read(&text.replace("\"revolute\"", &format!("{kind:?}")));
+            let listed = model.ignored.into_iter().find(|what| what.contains("limit without"));
+            (model.mechanism.joints()[0].limits.clone(), listed.unwrap_or_default())
+        };
+        let listed = "1 × limit without lower and upper, which are 0 by default, of a joint that is imported without limits";
+        for kind in ["revolute", "prismatic"] {
+            assert_eq!(bare(kind, ""), (vec![], listed.to_owned()), "{kind}");
+        }
+        // Continuous joints have no limits, and one end has the other one's default.
+        assert_eq!(bare("continuous", ""), (vec![], String::new()));
+        assert_eq!(bare("revolute", "upper=\"1\" "), (vec![[0.0, 1.0]], String::new()));
+        assert_eq!(bare("revolute", "lower=\"-1\" "), (vec![[-1.0, 0.0]], String::new()));
     }
 
     #[test]

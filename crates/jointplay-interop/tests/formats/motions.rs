@@ -87,7 +87,7 @@ fn difference(a: &Pose, b: &Pose) -> f64 {
 /// The unit is unpacked: what its description declares, and what an instance of its resources computes.
 fn of_unit(end: &End, version: FmiVersion) -> Vec<String> {
     let mechanism = &end.mechanism;
-    let resources = Resources::of(mechanism::write(mechanism, None));
+    let resources = Resources::for_model(mechanism::write(mechanism, None));
     let bytes = archive(&resources, "linkage", &[], version).unwrap();
     let mut zip = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
     let mut text = |name: &str| {

@@ -69,7 +69,7 @@ struct Frame {
 
 impl Frame {
     /// A vector from the middle of the disc (m).
-    fn at(&self, v: &Vector3<f64>) -> (f64, f64) {
+    fn project(&self, v: &Vector3<f64>) -> (f64, f64) {
         let (right, away) =
             (v.x * TURN.cos() + v.y * TURN.sin(), v.y * TURN.cos() - v.x * TURN.sin());
         let up = v.z * ELEVATION.cos() + away * ELEVATION.sin();
@@ -163,14 +163,14 @@ impl<'a> Taught<'a> {
         let disc = |turn: &Rotation3<f64>| {
             let corner = |k: u32| {
                 let angle = f64::from(k) / f64::from(CORNERS) * std::f64::consts::TAU;
-                frame.at(&(turn * Vector3::new(angle.cos(), angle.sin(), 0.0) * radius))
+                frame.project(&(turn * Vector3::new(angle.cos(), angle.sin(), 0.0) * radius))
             };
             path_data(&(0..CORNERS).map(corner).collect::<Vec<_>>()) + "z"
         };
         svg.path(&disc(&Rotation3::identity()), LEVEL);
         svg.path(&disc(&turn), PLANE);
         let stem = [Vector3::zeros(), turn * Vector3::z() * (0.35 * radius)];
-        let stem = stem.map(|end| frame.at(&end));
+        let stem = stem.map(|end| frame.project(&end));
         svg.path(&path_data(&stem), " stroke=\"#0072b2\" stroke-width=\"1.6\"");
         svg.path(&dot(stem[1], 2.4), " fill=\"#0072b2\"");
         if let Some(fit) = fit {
@@ -195,7 +195,7 @@ fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, o
         .zip(&fit.distances)
         .map(|(place, distance)| {
             let foot = turn * Vector3::new(place.x, place.y, 0.0);
-            [frame.at(&foot), frame.at(&(foot + normal * (off * distance)))]
+            [frame.project(&foot), frame.project(&(foot + normal * (off * distance)))]
         })
         .collect();
     for (&[from, to], distance) in stems.iter().zip(&fit.distances) {
@@ -366,9 +366,9 @@ fn about_by(factor: f64) -> String {
 fn axes(svg: &mut Svg, middle: (f64, f64)) {
     let frame = Frame { middle, scale: AXES, half: AXES };
     for (name, axis) in [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())] {
-        let ends = [frame.at(&Vector3::zeros()), frame.at(&axis)];
+        let ends = [frame.project(&Vector3::zeros()), frame.project(&axis)];
         svg.path(&path_data(&ends), &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));
-        let (x, y) = frame.at(&(axis * 1.35));
+        let (x, y) = frame.project(&(axis * 1.35));
         svg.text((x, y + HALF_CAPITAL * TICK), TICK, Anchor::Middle, name, "");
     }
 }

@@ -71,7 +71,7 @@ struct Camera {
 }
 
 impl Camera {
-    fn at(&self, [x, y]: [f64; 2]) -> (f64, f64) {
+    fn project(&self, [x, y]: [f64; 2]) -> (f64, f64) {
         (self.middle.0 + self.scale * x, self.middle.1 - self.scale * y)
     }
 }
@@ -130,7 +130,7 @@ impl<'a> TopView<'a> {
         let frame = Rectangle { x: 2.0, y: top, w: self.width - 4.0, h: bottom - top };
         self.station_labels(&mut svg, &camera, &frame);
         for &at in &self.violations {
-            let (x, y) = camera.at(at);
+            let (x, y) = camera.project(at);
             let data = format!("M{} {}l9 9m0 -9l-9 9", px(x - 4.5), px(y - 4.5));
             svg.path(
                 &data,
@@ -236,7 +236,7 @@ impl<'a> TopView<'a> {
                 let count = outline.len() as f64;
                 outline.iter().map(|corner| corner[k]).sum::<f64>() / count
             };
-            let (x, y) = camera.at([mean(0), mean(1)]);
+            let (x, y) = camera.project([mean(0), mean(1)]);
             let half = 0.5 * width(name, TICK);
             let x = x.clamp(half + 4.0, (self.width - half - 4.0).max(half + 4.0));
             svg.text((x, y + HALF_CAPITAL * TICK), TICK, Anchor::Middle, name, RIM);
@@ -246,7 +246,7 @@ impl<'a> TopView<'a> {
     fn robot(&self, svg: &mut Svg, camera: &Camera) {
         svg.path(&circle(camera, [0.0; 2], self.platform()), ROBOT);
         for base in self.cell.robot.gpr.base_points() {
-            let (x, y) = camera.at([base.x, base.y]);
+            let (x, y) = camera.project([base.x, base.y]);
             svg.path(&dot((x, y), 3.0), &format!(" fill=\"{INK}\""));
         }
     }
@@ -261,7 +261,7 @@ impl<'a> TopView<'a> {
             for outline in posture.outlines(self.cell) {
                 svg.path(&polygon(camera, &outline), &look);
             }
-            let joints: Vec<_> = posture.joints().iter().map(|&at| camera.at(at)).collect();
+            let joints: Vec<_> = posture.joints().iter().map(|&at| camera.project(at)).collect();
             svg.path(
                 &path_data(&joints),
                 &format!(" stroke=\"{colour}\" stroke-width=\"2.4\" stroke-linejoin=\"round\""),
@@ -289,7 +289,7 @@ impl<'a> TopView<'a> {
             }
             // Points that coincide on the page are omitted.
             let mut line: Vec<(f64, f64)> = Vec::new();
-            for at in path.points.iter().map(|&point| camera.at(point)) {
+            for at in path.points.iter().map(|&point| camera.project(point)) {
                 if line.last().is_none_or(|last| (last.0 - at.0).hypot(last.1 - at.1) > 0.4) {
                     line.push(at);
                 }
@@ -332,18 +332,18 @@ impl<'a> TopView<'a> {
         let radius = 0.5 * self.cell.wafer.diameter * camera.scale;
         let places = self.cell.stations.iter().map(|station| station.slot_frame(1));
         let outline = |frame: jointplay_core::spatial::Pose| Circle {
-            center: camera.at(center(frame.translation.vector)),
+            center: camera.project(center(frame.translation.vector)),
             radius,
         };
         let reaches = self
             .paths
             .iter()
             .flat_map(|path| path.reach)
-            .map(|reach| Circle { center: camera.at([0.0; 2]), radius: reach * camera.scale });
+            .map(|reach| Circle { center: camera.project([0.0; 2]), radius: reach * camera.scale });
         let paths = self
             .paths
             .iter()
-            .map(|path| path.points.iter().map(|&point| camera.at(point)).collect::<Vec<_>>());
+            .map(|path| path.points.iter().map(|&point| camera.project(point)).collect::<Vec<_>>());
         let mut obstacles = Obstacles {
             circles: places.map(outline).chain(reaches).collect(),
             paths: paths.collect(),
@@ -352,7 +352,7 @@ impl<'a> TopView<'a> {
         for station in &self.cell.stations {
             let slot = station.slot_frame(1);
             let inward = slot.rotation * nalgebra::Vector3::y();
-            let (x, y) = camera.at(center(slot.translation.vector));
+            let (x, y) = camera.project(center(slot.translation.vector));
             let r = radius;
             let arrow = [
                 (x - 0.75 * r * inward.x, y + 0.75 * r * inward.y),
@@ -467,12 +467,12 @@ fn polygon(camera: &Camera, corners: &[[f64; 2]]) -> String {
     if corners.len() < 3 {
         return String::new();
     }
-    let spots: Vec<(f64, f64)> = corners.iter().map(|&corner| camera.at(corner)).collect();
+    let spots: Vec<(f64, f64)> = corners.iter().map(|&corner| camera.project(corner)).collect();
     path_data(&spots) + "z"
 }
 
 fn circle(camera: &Camera, middle: [f64; 2], radius: f64) -> String {
-    dot(camera.at(middle), radius * camera.scale)
+    dot(camera.project(middle), radius * camera.scale)
 }
 
 fn dot((x, y): (f64, f64), radius: f64) -> String {

@@ -33,7 +33,7 @@ impl TotalsOfParts {
             parts: plan.chunks()?,
             rows: plan.portions().chunk,
             next: 0,
-            totals: Totals::of(&**plan),
+            totals: Totals::for_study(&**plan),
         })
     }
 

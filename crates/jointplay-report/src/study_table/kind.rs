@@ -14,7 +14,7 @@ pub enum TableKind {
 impl TableKind {
     /// The format that belongs to a file name's extension; `None` for any other.
     #[must_use]
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn from_path(path: &Path) -> Option<Self> {
         Self::of_ending(path.extension()?.to_str()?)
     }
 

@@ -9,7 +9,7 @@ use jointplay_study::plan::Block;
 /// A number of a table, in the unit of its column.
 #[inline]
 pub(super) fn value_in_table(value: f64, unit: Unit, typed: bool) -> f64 {
-    if typed { unit.of_typed(value) } else { unit.of(value) }
+    if typed { unit.typed_from_si(value) } else { unit.from_si(value) }
 }
 
 /// Values of a column of some samples.

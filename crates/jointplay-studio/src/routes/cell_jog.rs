@@ -147,7 +147,8 @@ fn document(
     let seen =
         slot.map(|slot| from_slot(cell, slot, &cell.slot_relative_pose(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(cell_error)?;
-    let solutions = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(cell_error)?;
+    let solutions =
+        cell.robot.inverse(id, &WaferTarget::from_pose(&rigid), at).map_err(cell_error)?;
     let (frames, _) = frames(motion_export, moment.time, at).map_err(export_error)?;
     let report = check_pose(cell, moment, at, &CheckOptions::default()).map_err(cell_error)?;
     let nearest = nearest_points(cell, moment, at, &report.distances).map_err(cell_error)?;

@@ -88,7 +88,7 @@ const SHOWN: [FileKind; 2] = [FileKind::Mechanism, FileKind::ThreeRods];
 )]
 pub(crate) async fn catalogue_entries() -> Json<Vec<CatalogueEntry>> {
     let shown = |entry: &&catalogue::Entry| {
-        FileKind::of(entry.text).is_some_and(|kind| SHOWN.contains(&kind))
+        FileKind::detect(entry.text).is_some_and(|kind| SHOWN.contains(&kind))
     };
     let document = |entry: &catalogue::Entry| CatalogueEntry {
         name: entry.name.to_owned(),

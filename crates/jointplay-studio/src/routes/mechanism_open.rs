@@ -48,7 +48,7 @@ fn open(request: OpenRequest) -> Result<OpenedDocument, Problem> {
             let (kind, note, diagnostics) = match unread {
                 Unread::OtherKind(kind) => (Some(kind), Some(how_to_open(kind)), Vec::new()),
                 Unread::Invalid(found) => {
-                    (jointplay::interop::FileKind::of(&source.text), None, found)
+                    (jointplay::interop::FileKind::detect(&source.text), None, found)
                 }
             };
             let kind = FileKindName::from(kind);

@@ -5,7 +5,7 @@ use axum::extract::State;
 use jointplay::format::mechanism::{Units, with_virtual_joints};
 use jointplay::interop::FileKind;
 use jointplay::mechanism::{
-    Commands, MechanismSystem, SuggestOptions, close_commanded, small_commands, suggest,
+    Commands, MechanismSystem, SuggestOptions, close_nearly, small_commands, suggest,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report;
@@ -49,10 +49,10 @@ fn compute(request: &SuggestRequest) -> Result<SuggestDocument, Problem> {
         let detail = "the mechanism has too many loops for a search of virtual joints";
         return Err(Problem::field("mechanism.text", detail));
     }
+    let home = close_nearly(&read.file.mechanism)?.coordinates;
     read.file.mechanism = bare;
     read.coordinates = jointplay::format::coordinates::Coordinates::of(&read.file);
     let mechanism = &read.file.mechanism;
-    let home = close_commanded(mechanism, &[], None)?.coordinates;
     let commands = read.commands(&request.command, "command")?;
     let commands = if commands.is_empty() {
         let detail = "the mechanism has no actuated joint: command joints by `command`";

@@ -109,6 +109,17 @@ fn a_wait_of_zero_duration_is_not_a_step() {
 }
 
 #[test]
+fn a_program_that_only_waits_has_not_passed() {
+    let server = server(CellFiles::example());
+    for (program, result) in
+        [("WAIT 2 s\n", "no_motion"), ("HOME\n", "no_motion"), (SHORT, "passed")]
+    {
+        let found = plan(&server, &json!({ "program": program }));
+        assert_eq!(found["report"]["result"], result, "{program}");
+    }
+}
+
+#[test]
 fn a_plan_has_report_windows_and_scene() {
     let server = server(CellFiles::example());
     let found = plan(&server, &json!({ "program": SHORT }));

@@ -324,7 +324,7 @@ pub(crate) fn effector(
     loaded: bool,
     heading_free: bool,
 ) -> EffectorDocument {
-    let target = WaferTarget::of(pose);
+    let target = WaferTarget::from_pose(pose);
     let (about_x_rad, about_y_rad) = Tilt::from_normal(&target.normal).about_x_and_y();
     EffectorDocument {
         name: cell.robot.arms[id.arm].effectors[id.effector].name.clone(),

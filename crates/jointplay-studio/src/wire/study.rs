@@ -281,7 +281,7 @@ impl Samples {
             })),
             Self::Keys(motion) => Box::new((0..motion.samples()).map(|sample| {
                 let time = motion.time(sample);
-                let (tilt, height) = motion.at(time);
+                let (tilt, height) = motion.tilt_and_height_at(time);
                 Commanded { time, tilt, height }
             })),
         }

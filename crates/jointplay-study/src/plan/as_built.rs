@@ -48,9 +48,9 @@ pub struct Tolerances {
 }
 
 impl Tolerances {
-    /// Of one dimension.
+    /// The variation of one dimension; `None` for a dimension without tolerance.
     #[must_use]
-    pub fn of(&self, dimension: Dimension) -> Option<&Variation> {
+    pub fn variation(&self, dimension: Dimension) -> Option<&Variation> {
         match dimension {
             Dimension::SocketRadius => self.socket_radius.as_ref(),
             Dimension::SocketAngle => self.socket_angle.as_ref(),
@@ -62,7 +62,7 @@ impl Tolerances {
     /// Whether any dimension differs.
     #[must_use]
     pub fn any(&self) -> bool {
-        Dimension::ALL.iter().any(|&dimension| self.of(dimension).is_some())
+        Dimension::ALL.iter().any(|&dimension| self.variation(dimension).is_some())
     }
 }
 
@@ -103,7 +103,7 @@ impl<'a> RobotSampler<'a> {
             .flat_map(|limb| (0..).zip(Dimension::ALL).map(move |(k, d)| (limb, k, d)))
             .filter_map(|(limb, k, dimension)| {
                 let stream = DIMENSION_STREAMS + 4 * limb as u64 + k;
-                let error = tolerances.of(dimension)?;
+                let error = tolerances.variation(dimension)?;
                 Some(DimensionError { limb, dimension, error, stream: Stream::new(seed, stream) })
             })
             .collect();
@@ -114,7 +114,7 @@ impl<'a> RobotSampler<'a> {
     pub(super) fn limbs(&mut self, draw: u64) -> [Limb; 3] {
         let mut limbs = self.design.limbs();
         for DimensionError { limb, dimension, error, stream } in &mut self.errors {
-            *entry(&mut limbs[*limb], *dimension) += error.at(stream, 0, draw);
+            *entry(&mut limbs[*limb], *dimension) += error.value(stream, 0, draw);
         }
         limbs
     }

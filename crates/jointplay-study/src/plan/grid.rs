@@ -64,7 +64,7 @@ impl<'a> Grid<'a> {
         let (draw, mut place) = (sample / self.places, sample % self.places);
         for ((one, stream), value) in self.varied.iter_mut().zip(values).rev() {
             let count = one.values();
-            *value = one.at(stream, place % count, draw);
+            *value = one.value(stream, place % count, draw);
             place /= count;
         }
     }

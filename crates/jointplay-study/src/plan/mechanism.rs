@@ -210,7 +210,7 @@ impl Posed {
     }
 
     /// The configuration for commands; `None` where none was found.
-    fn at(&mut self, commands: &[f64]) -> Result<Option<DVector<f64>>, Error> {
+    fn configuration(&mut self, commands: &[f64]) -> Result<Option<DVector<f64>>, Error> {
         let mut coordinates = self.home.clone();
         if commands.is_empty() {
             return Ok(Some(coordinates));
@@ -268,7 +268,7 @@ impl<'a> Work<'a> {
             Ok(posed) => posed,
             Err(outcome) => return Ok((*outcome, false)),
         };
-        let Some(coordinates) = posed.at(commands)? else {
+        let Some(coordinates) = posed.configuration(commands)? else {
             return Ok((Outcome::Pose(Status::NotConverged), false));
         };
         let poses = match self.plan.wanted.iter().any(|one| one.needs_poses()) {
@@ -277,7 +277,7 @@ impl<'a> Work<'a> {
         };
         let design = match &mut self.design {
             None => None,
-            Some(design) => match design.at(commands)? {
+            Some(design) => match design.configuration(commands)? {
                 Some(found) => Some(design.poses(&found)?),
                 None => None,
             },

@@ -32,7 +32,7 @@ pub fn quantiles(study: &dyn Study, shares: &[f64]) -> Result<Vec<Vec<Option<f64
         let mut numbers: Vec<f64> =
             blocks.iter().flat_map(|block| &block[c]).copied().filter(|v| !v.is_nan()).collect();
         numbers.sort_by(f64::total_cmp);
-        shares.iter().map(|&share| at(&numbers, share)).collect()
+        shares.iter().map(|&share| interpolated(&numbers, share)).collect()
     };
     Ok((0..study.columns()).into_par_iter().map(column).collect())
 }
@@ -58,7 +58,7 @@ pub(super) fn chosen(study: &dyn Study) -> Result<Vec<u64>, Error> {
         .collect())
 }
 
-fn at(sorted: &[f64], share: f64) -> Option<f64> {
+fn interpolated(sorted: &[f64], share: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     let place = share * last as f64;
     let below = place.floor() as usize;

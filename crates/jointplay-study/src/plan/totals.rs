@@ -65,9 +65,9 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// Of no samples of a study yet.
+    /// Totals of a study before its first sample.
     #[must_use]
-    pub fn of(study: &dyn Study) -> Self {
+    pub fn for_study(study: &dyn Study) -> Self {
         Self::new(study.columns(), study.solved_for().len())
     }
 

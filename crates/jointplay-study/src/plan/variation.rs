@@ -40,7 +40,7 @@ impl Variation {
     }
 
     /// A value: of the grid at a place, or of a draw.
-    pub(super) fn at(&self, stream: &mut Stream, place: u64, draw: u64) -> f64 {
+    pub(super) fn value(&self, stream: &mut Stream, place: u64, draw: u64) -> f64 {
         match self {
             // Places come from a remainder by the number of values.
             Self::Values(values) => values[place as usize],

@@ -55,7 +55,7 @@ pub(super) enum EndBarrier {
 impl EndBarrier {
     /// Cost with slope and curvature.
     #[inline]
-    pub(super) fn of(self, u: f64) -> [f64; 3] {
+    pub(super) fn cost_and_derivatives(self, u: f64) -> [f64; 3] {
         match self {
             Self::None => [0.0; 3],
             Self::Elbow if u.abs() < 1.0 => {
@@ -85,7 +85,7 @@ pub(super) struct QuadraticModel<const N: usize> {
 impl<const N: usize> QuadraticModel<N> {
     /// Values and slopes after a step.
     #[inline]
-    fn at(&self, x: &Vector2<f64>) -> ([f64; N], [[f64; N]; 2]) {
+    fn values_and_slopes(&self, x: &Vector2<f64>) -> ([f64; N], [[f64; N]; 2]) {
         let [one, both, other] = &self.curvatures;
         let [first, second] = &self.slopes;
         let by_first: [f64; N] = from_fn(|t| first[t] + (one[t] * x[0] + both[t] * x[1]));
@@ -166,10 +166,11 @@ impl Model {
     #[inline]
     fn at(&self, x: &Vector2<f64>, fraction: f64) -> Local {
         let mut local = Local::default();
-        let (numbers, along) = self.limits.at(x);
+        let (numbers, along) = self.limits.values_and_slopes(x);
         local.add(&self.limits, &along, &of_limits(&numbers), fraction);
-        let (numbers, along) = self.ends.at(x);
-        let [one, other]: [[f64; 3]; MAX_BARRIERS] = from_fn(|t| self.poles[t].of(numbers[t]));
+        let (numbers, along) = self.ends.values_and_slopes(x);
+        let [one, other]: [[f64; 3]; MAX_BARRIERS] =
+            from_fn(|t| self.poles[t].cost_and_derivatives(numbers[t]));
         local.add(&self.ends, &along, &from_fn(|k| [one[k], other[k]]), fraction);
         for (k, free) in self.free.into_iter().enumerate() {
             if !free {

@@ -32,9 +32,11 @@ pub(super) struct PoseResidual {
 }
 
 impl PoseResidual {
+    /// The residual of a pose.
+    ///
     /// # Arguments
     /// * `normal` – unit normal of the target
-    pub(super) fn of(base_from_wafer: &Pose, target: &WaferTarget, normal: &Vector3<f64>) -> Self {
+    pub(super) fn new(base_from_wafer: &Pose, target: &WaferTarget, normal: &Vector3<f64>) -> Self {
         let rotation = base_from_wafer.rotation.matrix();
         let found = rotation.column(2).into_owned();
         let level = tilt_rotation(normal);
@@ -69,7 +71,7 @@ impl HybridRobot {
         with_heading: bool,
         positions: &mut Positions,
     ) -> Result<(usize, PoseResidual), CellError> {
-        let mut missing = PoseResidual::of(base_from_wafer, target, normal);
+        let mut missing = PoseResidual::new(base_from_wafer, target, normal);
         for step in 0..MAX_ITERATIONS {
             if missing.is_exact(with_heading) {
                 return Ok((step, missing));
@@ -114,7 +116,7 @@ impl HybridRobot {
             for (&axis, change) in axes.iter().zip(change.iter()) {
                 next[axis] += change;
             }
-            let then = PoseResidual::of(&self.effector_pose(&next, id)?, target, normal);
+            let then = PoseResidual::new(&self.effector_pose(&next, id)?, target, normal);
             let size = |missing: &PoseResidual| {
                 let turn = if with_heading { missing.turn } else { 0.0 };
                 missing.center.norm() + CHARACTERISTIC_LENGTH * (missing.tilt.norm() + turn.abs())

@@ -125,7 +125,7 @@ impl<'a> Redundant<'a> {
     /// each step minimizes a second-order model of u and cos β.
     /// The start is the present position, or the same pose by other revolutions where that violates a limit.
     pub(super) fn away_from_limits(&self, configuration: Configuration) -> Option<ArmVector> {
-        let here = self.at([self.seed[2], self.seed[3]], configuration, &self.seed);
+        let here = self.candidate([self.seed[2], self.seed[3]], configuration, &self.seed);
         let here = here.map(|here| self.wrapped_to_limits(here));
         let (mut now, stretched) = match here {
             Some(here) if here.singularity_cost < MAX_ELBOW_COST => (here, None),
@@ -144,7 +144,7 @@ impl<'a> Redundant<'a> {
             }
             let is_last = gain <= RELATIVE_TOLERANCE * now.cost;
             let there = [now.unknown[2] + step[0], now.unknown[3] + step[1]];
-            match self.at(there, configuration, &now.unknown) {
+            match self.candidate(there, configuration, &now.unknown) {
                 Some(next) if is_last => {
                     now = next;
                     break;
@@ -169,7 +169,7 @@ impl<'a> Redundant<'a> {
         &self,
         configuration: Configuration,
     ) -> Option<ArmVector> {
-        let here = self.at([self.seed[2], self.seed[3]], configuration, &self.seed)?;
+        let here = self.candidate([self.seed[2], self.seed[3]], configuration, &self.seed)?;
         Some(self.decomposition.positions(&here.unknown))
     }
 
@@ -222,7 +222,7 @@ impl<'a> Redundant<'a> {
                     continue;
                 }
                 let free = [turn(i), turn(j)];
-                if let Some(found) = self.at(free, configuration, &self.seed)
+                if let Some(found) = self.candidate(free, configuration, &self.seed)
                     && found.cost < most
                 {
                     best = Some(found);
@@ -244,7 +244,7 @@ impl<'a> Redundant<'a> {
     }
 
     /// Unknowns for given free angles, in the revolutions nearest to other unknowns.
-    fn at(
+    fn candidate(
         &self,
         free: [f64; 2],
         configuration: Configuration,
@@ -282,7 +282,8 @@ impl<'a> Redundant<'a> {
                 + (by[2][a] * y[2] + by[3][a] * y[3])
         });
         let ends = self.ends(&place.found);
-        place.singularity_cost = (0..MAX_BARRIERS).map(|t| self.poles[t].of(ends[t][0])[0]).sum();
+        place.singularity_cost =
+            (0..MAX_BARRIERS).map(|t| self.poles[t].cost_and_derivatives(ends[t][0])[0]).sum();
         place.cost =
             of_limits(&place.normalized_positions)[0].iter().sum::<f64>() + place.singularity_cost;
         place

@@ -21,7 +21,7 @@ pub struct WaferTarget {
 impl WaferTarget {
     /// The target that a wafer frame fulfils.
     #[must_use]
-    pub fn of(base_from_wafer: &Pose) -> Self {
+    pub fn from_pose(base_from_wafer: &Pose) -> Self {
         let normal = base_from_wafer.rotation * Vector3::z();
         let level = tilt_rotation(&normal).inverse() * (base_from_wafer.rotation * Vector3::x());
         let heading = Some(level.y.atan2(level.x));

@@ -297,7 +297,7 @@ impl InputArgs {
         let options = PlanOptions { on_stage: &on_stage, ..PlanOptions::default() };
         let planned = planner.plan(cell, &input.program, &options);
         let (motion, report) = planned.map_err(|error| input.failure(&error))?;
-        if motion.steps.is_empty() {
+        if report.result == CheckResult::NoMotion {
             return Err(Failure::NoMotion { program: input.label });
         }
         drop(progress);

@@ -96,12 +96,15 @@ impl FmuArgs {
         let named = |&(k, value): &(usize, f64)| (input.coordinates.all()[k].name.clone(), value);
         let start = commands.iter().map(named).collect();
         Ok(match &input.text {
-            Some(text) if !is_changed => {
-                Resources { parameters: input.replaced.clone(), start, ..Resources::of(text) }
-            }
-            _ => {
-                Resources { start, ..Resources::of(mechanism::write(&input.file.mechanism, None)) }
-            }
+            Some(text) if !is_changed => Resources {
+                parameters: input.replaced.clone(),
+                start,
+                ..Resources::for_model(text)
+            },
+            _ => Resources {
+                start,
+                ..Resources::for_model(mechanism::write(&input.file.mechanism, None))
+            },
         })
     }
 
@@ -122,7 +125,7 @@ impl FmuArgs {
             parameters: input.replaced.clone(),
             start: rods.into_iter().flatten().enumerate().map(named).collect(),
             virtualization: self.virtualization.map(|one| one.model().name().to_owned()),
-            ..Resources::of(text)
+            ..Resources::for_model(text)
         })
     }
 

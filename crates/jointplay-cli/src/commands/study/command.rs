@@ -94,7 +94,8 @@ impl StudyCommand {
         let file = source.parse()?;
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.csv", source.stem)));
         let to_standard_output = out == Path::new(STANDARD);
-        let kind = if to_standard_output { Some(TableKind::Csv) } else { TableKind::of(&out) };
+        let kind =
+            if to_standard_output { Some(TableKind::Csv) } else { TableKind::from_path(&out) };
         let kind = kind.ok_or_else(|| {
             let shown = out.display();
             Failure::Usage(format!("--out {shown}: the name of a table ends in .csv or .parquet"))

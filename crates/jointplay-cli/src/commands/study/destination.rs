@@ -22,7 +22,7 @@ impl Destination {
     /// Starts a table on standard output.
     pub(super) fn standard_output(study: &StudyFile, table: &Table) -> Result<Self, Failure> {
         print(&table.head())?;
-        let totals = Totals::of(&*study.plan);
+        let totals = Totals::for_study(&*study.plan);
         Ok(Self::StandardOutput { chunks: 0, totals })
     }
 

@@ -95,7 +95,7 @@ impl PartFile {
             std::fs::remove_file(&marker_path).map_err(failed(&marker_path))?;
         }
         file.set_len(0).map_err(failed(&path))?;
-        let totals = Totals::of(&*study.plan);
+        let totals = Totals::for_study(&*study.plan);
         let mut part = Self {
             out: out.to_owned(),
             path,

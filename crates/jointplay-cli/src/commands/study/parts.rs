@@ -251,7 +251,7 @@ fn gather(
     force: bool,
     format: FormatArgs,
 ) -> Result<(), Failure> {
-    let kind = TableKind::of(out).ok_or_else(|| {
+    let kind = TableKind::from_path(out).ok_or_else(|| {
         let shown = out.display();
         Failure::Usage(format!("--gather {shown}: the name of a table ends in .csv or .parquet"))
     })?;

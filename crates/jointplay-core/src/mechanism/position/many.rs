@@ -84,7 +84,7 @@ impl PositionSolver {
             Ok(position) => (position.residual, Status::Solved),
             Err(error) => {
                 coordinates.fill(f64::NAN);
-                (f64::NAN, Status::of(&error).unwrap_or(Status::NotConverged))
+                (f64::NAN, Status::from_error(&error).unwrap_or(Status::NotConverged))
             }
         };
         (rows.residuals[row], rows.status[row]) = (residual, status);

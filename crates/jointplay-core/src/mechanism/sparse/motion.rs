@@ -214,7 +214,7 @@ impl SparseSystem<'_> {
         #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
         for k in 1..=count {
             let mut part = DVector::zeros(self.coordinates.len());
-            for (coordinate, to) in path.at(k as f64 / count as f64) {
+            for (coordinate, to) in path.values_at(k as f64 / count as f64) {
                 part[coordinate] = to - self.coordinates[coordinate];
             }
             motion.steps += 1;
@@ -222,7 +222,7 @@ impl SparseSystem<'_> {
             let share = (k as f64 - 1.0 + done) / count as f64;
             if done == 1.0 {
                 // Sums of many steps would be off by round-off.
-                for (coordinate, to) in path.at(share) {
+                for (coordinate, to) in path.values_at(share) {
                     self.coordinates[coordinate] = to;
                 }
             }

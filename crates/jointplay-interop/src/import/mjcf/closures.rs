@@ -17,7 +17,7 @@ impl<'a> Reader<'a> {
         let (xml, tag) = (self.draft.xml, node.tag_name().name());
         let class = self.defaults.class_of(xml, node, None)?;
         let active = attribute(node, "active");
-        let active = active.or_else(|| self.defaults.of(class, "equality", "active"));
+        let active = active.or_else(|| self.defaults.attribute_value(class, "equality", "active"));
         if active.map(|active| xml.truth(&active)).transpose()? == Some(false) {
             self.draft.ignore(format!("inactive {tag}"));
             return Ok(());

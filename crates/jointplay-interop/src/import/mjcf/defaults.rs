@@ -77,7 +77,7 @@ impl<'a> Defaults<'a> {
     }
 
     /// The value of an attribute in a class.
-    pub(super) fn of(
+    pub(super) fn attribute_value(
         &self,
         class: &str,
         element: &str,

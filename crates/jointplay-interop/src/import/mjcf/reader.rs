@@ -252,7 +252,9 @@ impl<'a> Reader<'a> {
         let (node, xml) = (item.node, self.draft.xml);
         let is_free = node.tag_name().name() == "freejoint";
         let class = self.defaults.class_of(xml, node, item.class)?;
-        let value = |name| attribute(node, name).or_else(|| self.defaults.of(class, "joint", name));
+        let value = |name| {
+            attribute(node, name).or_else(|| self.defaults.attribute_value(class, "joint", name))
+        };
         let kind = if is_free { None } else { value("type") };
         let kind = match kind.as_ref().map_or(if is_free { "free" } else { "hinge" }, |k| k.text) {
             "hinge" => JointKind::Revolute,
@@ -325,7 +327,7 @@ impl<'a> Reader<'a> {
         self.draft.ignore("site");
         let Some(name) = self.draft.xml.name(item.node)? else { return Ok(()) };
         let class = self.defaults.class_of(self.draft.xml, item.node, item.class)?;
-        let default = |name| self.defaults.of(class, "site", name);
+        let default = |name| self.defaults.attribute_value(class, "site", name);
         let pose = self.angles.pose(self.draft.xml, item.node, default)?;
         self.sites.insert(name, (link, item.body_from_frame * pose));
         Ok(())

@@ -45,7 +45,8 @@ impl<'a> Reader<'a> {
                 self.draft.ignore(format!("{part} of a gearbox"));
             }
         }
-        let name = self.draft.fresh(self.shown(frame).to_owned());
+        let name = self.shown(frame).to_owned();
+        let name = self.draft.constraint_name(&name, place(node))?;
         let coordinate = |joint| JointCoordinate { joint, freedom: 0 };
         let terms = vec![(coordinate(leader), -ratio * one * other)];
         let coupling = Coupling { name, follower: coordinate(follower), terms, offset: 0.0 };

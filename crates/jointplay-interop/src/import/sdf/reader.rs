@@ -351,6 +351,12 @@ mod tests {
             assert_eq!((coupling.follower.joint, coupling.terms[0].0.joint), (2, 1));
             coupling.terms[0].1
         };
+        // Without a world, names have no prefix.
+        let model = GEARS.replace("<world name=\"w\">", "").replace("</world>", "");
+        let model = model
+            .replace("<link name=\"carrier\"/>", "<link name=\"base\"/><link name=\"carrier\"/>");
+        let read = testing::read(&model.replace("<parent>world", "<parent>base"));
+        assert_eq!(read.mechanism.couplings()[0].name, "teeth");
         // The pinion turns by −2.5 times the wheel about the carrier, and the carrier by 2.5 times about the pinion.
         assert_eq!(ratio(GEARS), 2.5);
         assert_eq!(ratio(&GEARS.replace("<axis2><xyz>0 0 1", "<axis2><xyz>0 0 -1")), -2.5);
