@@ -1,6 +1,8 @@
-"""The notebooks run from top to bottom."""
+"""The notebooks run from top to bottom, and documents name them by their titles."""
 
 from __future__ import annotations
+
+import re
 
 import nbclient
 import nbformat
@@ -26,3 +28,13 @@ def test_a_notebook_runs(path, tmp_path, monkeypatch):
 
 def test_there_are_notebooks():
     assert len(NOTEBOOKS) == 5
+
+
+@pytest.mark.parametrize("document", ["docs/how-to/python.md", "python/README.md"])
+def test_documents_link_notebooks_by_their_titles(document):
+    text = (ROOT / document).read_text(encoding="utf-8")
+    links = re.findall(r"\[([^]]*)\]\([^)]*/([\w-]+)\.ipynb\)", text)
+    assert links
+    for link, stem in links:
+        first = nbformat.read(ROOT / "python" / "notebooks" / f"{stem}.ipynb", as_version=4).cells[0]
+        assert first.source.splitlines()[0] == f"# {link}"

@@ -129,6 +129,37 @@ test('an arm and an effector are duplicated and deleted by the keyboard alone', 
   expect(await cellText()).toBe(EXAMPLE_CELL);
 });
 
+test('an effector is added to an arm by the keyboard alone, and removed by undo', async () => {
+  await waitForCheck(page, 'passed');
+  await open('upper');
+  await arm('upper').focus();
+  await tabTo('add-effector-upper');
+  await page.keyboard.press('Enter');
+  await drawn('A2-blade');
+  await waitForCheck(page, 'passed');
+  await until('it is selected', async () => (await effector('A2').getAttribute('aria-pressed')) === 'true');
+  expect(await button('part-delete').isEnabled()).toBe(true);
+  const text = await cellText();
+  for (const line of EXAMPLE_CELL.split('\n').filter((line) => line.trim().startsWith('#'))) expect(text).toContain(line);
+  expect(await accessibilityViolations(page)).toEqual([]);
+  // Four effectors are the largest number.
+  for (const name of ['A3', 'A4']) {
+    await open('upper');
+    await button('add-effector-upper').click();
+    await drawn(`${name}-blade`);
+    await waitForCheck(page, 'passed');
+  }
+  expect(await button('add-effector-upper').isDisabled()).toBe(true);
+  expect(await button('add-effector-upper').getAttribute('title')).toContain('at most 4');
+  for (let k = 0; k < 3; k += 1) {
+    await waitForCheck(page, 'passed');
+    await undo();
+  }
+  await drawn('A2-blade', false);
+  expect(await cellText()).toBe(EXAMPLE_CELL);
+  await waitForCheck(page, 'passed');
+});
+
 test('the arms of a robot in a file of its own are not changed, with the reason', async () => {
   copyFileSync(join(ROOT, 'crates/jointplay-format/robots/radial-arm.toml'), join(fixture.folder, 'my-arm.toml'));
   writeFileSync(fixture.cellFile, 'kind = "cell"\nname = "One arm"\nrobot = "my-arm.toml"\nwafer = { diameter_mm = 300, thickness_mm = 0.775, material = "silicon" }\nbudgets = { virtual_joint_norm_um = 60, min_distance_mm = 1, slot_min_distance_mm = 1, plane_urad = 20 }\nstation = [{ name = "P", position_mm = [600, 0, 560], heading_deg = -90, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10 }]\n');
@@ -141,6 +172,8 @@ test('the arms of a robot in a file of its own are not changed, with the reason'
   expect(await add.isDisabled()).toBe(true);
   expect(await add.getAttribute('title')).toContain('my-arm.toml');
   await other.getByTestId('parts').locator('details.inner summary').click();
+  expect(await other.getByTestId('add-effector-arm').isDisabled()).toBe(true);
+  expect(await other.getByTestId('add-effector-arm').getAttribute('title')).toContain('my-arm.toml');
   for (const name of ['arm whole arm', 'A effector']) {
     await other.getByTestId('parts').getByRole('button', { name, exact: true }).click();
     expect(await other.getByTestId('part-duplicate').isDisabled()).toBe(true);

@@ -133,7 +133,7 @@ test('a station is taught by clicked points of bodies', async () => {
 
 test('the minimum distance is a line between the nearest points, of the nearest or of a chosen pair', async () => {
   const line = () => page.evaluate(() => window.jointplay.probe.cell!.nearest());
-  type Distances = { bodies: string[]; distance_m: number; nearest_points_m: number[][] }[];
+  type Distances = { distance_m: number; nearest_points_m: number[][] }[];
   const asked = await fetch(`${fixture.server.address}api/v1/cell/jog`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ time_s: 0 }) });
   const { distances } = ((await asked.json()) as { check: { distances: Distances } }).check;
   await page.getByTestId('cell-time').fill('0');

@@ -6,7 +6,9 @@ import { EXAMPLE_CELL, cellFixture, complaints, load, partNames, unhandled, unti
 
 /** Boxes outside of the reach, named like a station, an arm, an effector, an axis and a zone. */
 const NAMES = ['LP1', 'upper', 'A', 'T', 'optics'];
-const CELL = EXAMPLE_CELL + NAMES.map((name, k) => `\n[[body]]\nname = "${name}"\nposition_mm = [${1500 + 200 * k}.0, 0.0, 100.0]\nbox = { size_mm = [100.0, 100.0, 100.0] }\n`).join('');
+/** A zone out of reach, named like the body that a jogged arm touches. */
+const FAR_ZONE = '\n[[zone]]\nname = "wall"\nrule = "keep-out"\nposition_mm = [1500.0, 600.0, 100.0]\nbox = { size_mm = [100.0, 100.0, 100.0] }\n';
+const CELL = EXAMPLE_CELL + NAMES.map((name, k) => `\n[[body]]\nname = "${name}"\nposition_mm = [${1500 + 200 * k}.0, 0.0, 100.0]\nbox = { size_mm = [100.0, 100.0, 100.0] }\n`).join('') + FAR_ZONE;
 
 let fixture: CellFixture;
 let page: Page;
@@ -84,4 +86,18 @@ test('an arm is hidden with the bodies on its links, and an isolated link keeps 
   await page.getByTestId('part-isolate').click();
   await until('the last link is shown alone', async () => (await shown()).sort().join() === 'blade-A,bracket-A,post-A');
   await page.getByTestId('show-all').click();
+});
+
+test('a contact highlights the touching parts, and no other part with the name of one', async () => {
+  const violating = () => page.evaluate(() => window.jointplay.probe.cell!.violating());
+  expect(await violating()).toEqual([]);
+  await page.getByTestId('jog-stop').uncheck();
+  for (const [axis, to] of [['T', '-90'], ['RA', '60']] as const) {
+    await page.getByTestId(`field-jog-${axis}`).fill(to);
+    await page.getByTestId(`field-jog-${axis}`).press('Enter');
+  }
+  await page.getByTestId('jog-distances').locator('tr', { hasText: 'wall' }).filter({ hasText: 'contact' }).first().waitFor();
+  await until('the blade is highlighted', async () => (await violating()).includes('body:blade-A'));
+  expect(await violating()).toContain('body:wall');
+  expect(await violating()).not.toContain('zone:wall');
 });

@@ -68,7 +68,7 @@ test('a blade in contact with the wall is a violation, and both are highlighted'
   await page.getByTestId('jog-violations').locator('li', { hasText: 'blade-A' }).filter({ hasText: 'wall' }).waitFor();
   await page.getByTestId('jog-distances').locator('tr', { hasText: 'wall' }).filter({ hasText: 'contact' }).first().waitFor();
   await page.getByTestId('current-violations').filter({ hasText: 'wall' }).waitFor();
-  for (const name of ['wall', 'blade-A']) expect(await marked()).toContain(name);
+  for (const name of ['wall', 'blade-A']) expect(await marked()).toContain(`body:${name}`);
   if (process.env.SCREENSHOT) await page.screenshot({ path: process.env.SCREENSHOT });
   expect(await accessibilityViolations(page)).toEqual([]);
 });

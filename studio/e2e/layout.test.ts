@@ -67,7 +67,9 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
         await page.getByText('With ideal joints, this robot can only translate').waitFor();
         await page.getByRole('button', { name: 'Close this explanation' }).click();
       }
-      // The panels are there, below where there is no room at the side.
+      // The panels are there, below where there is no room at the side, and in a drawer where there is none below.
+      const drawer = page.getByTestId('drawer-right-button');
+      if (await drawer.isVisible()) await drawer.click();
       await page.getByTestId('slider-tilt').scrollIntoViewIfNeeded();
       const slider = (await page.getByTestId('slider-tilt').boundingBox())!;
       expect(slider.width).toBeGreaterThan(60);

@@ -54,7 +54,7 @@ test('the module computes the numbers of the library in the browser', async () =
   await page.context().close();
 });
 
-for (const [theme, width, height] of [['light', 1440, 900], ['navy', 390, 844]] as const)
+for (const [theme, width, height] of [['light', 1440, 900], ['navy', 390, 844], ['light', 720, 450], ['light', 512, 350]] as const)
   test(`the robot of the start page moves in the browser, ${theme}, ${width} × ${height}`, async () => {
     const page = await visit(browser, { viewport: { width, height } });
     const external: string[] = [];
@@ -90,7 +90,12 @@ for (const [theme, width, height] of [['light', 1440, 900], ['navy', 390, 844]] 
     expect(bytes).toBeLessThan(3e6);
     const [scroll, client] = await page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
     expect(scroll).toBeLessThanOrEqual(client!);
-    if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `playground-${theme}.png`) });
+    // The robot and the slider of the tilt are visible at the same time, also at 200 % zoom.
+    const [picture, slider] = [(await page.locator('.playground .view').boundingBox())!, (await page.getByLabel('Tilt angle').boundingBox())!];
+    expect(Math.max(slider.y + slider.height, picture.y + picture.height) - Math.min(slider.y, picture.y)).toBeLessThanOrEqual(Math.max(height, 400));
+    expect(picture.width).toBeGreaterThan(300);
+    await page.locator('.playground').scrollIntoViewIfNeeded();
+    if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, `playground-${theme}-${width}.png`) });
     await page.context().close();
   });
 

@@ -160,6 +160,10 @@ fn add(text: &str) -> EntryAdded {
     add_entry(text, &NewEntry::Arm, &mut no_files).unwrap()
 }
 
+fn add_effector(text: &str, arm: &str) -> EntryAdded {
+    add_entry(text, &NewEntry::Effector { arm: arm.to_owned() }, &mut no_files).unwrap()
+}
+
 fn duplicate(text: &str, list: EntryList, name: &str) -> EntryAdded {
     duplicate_entry(text, list, name, &mut no_files).unwrap()
 }
@@ -254,6 +258,75 @@ fn effectors_are_duplicated_and_removed_with_their_bodies() {
 }
 
 #[test]
+fn an_added_effector_is_usable_and_removed_without_a_trace() {
+    let EntryAdded { text, name } = add_effector(OWN, "arm");
+    assert_eq!(name, "E2");
+    let cell = read(&text);
+    let [one, other] = &cell.robot.arms[0].effectors[..] else { panic!("{text}") };
+    for (found, expected) in other.wafer_center.iter().zip([0.3, 0.0, 0.02]) {
+        assert!((found - expected).abs() < 1e-12, "{:?}", other.wafer_center);
+    }
+    assert_eq!(other.heading, one.heading);
+    // Its blade is below its wafer, and above the wafer of the other effector.
+    let blade = cell.bodies.iter().find(|body| body.name == "E2-blade").unwrap();
+    let surface = blade.shape.surface();
+    for point in &surface.vertices {
+        let z = (blade.parent_from_shape * nalgebra::Point3::from(*point)).z;
+        assert!(z > 0.01 + cell.wafer.thickness + 0.001 && z < 0.02, "{z}");
+    }
+    assert_eq!(cell.bodies.len(), read(OWN).bodies.len() + 1);
+    for line in comments(OWN) {
+        assert!(comments(&text).contains(&line), "{line}");
+    }
+    let all = read(&text.replace("effectors = [\"E\"]\n", ""));
+    for effector in ["E", "E2"] {
+        let program = format!("HOME\nGET P1 WITH {effector}\nPUT P1 WITH {effector}\nHOME\n");
+        assert_eq!(violations(&all, &program), NONE);
+    }
+    // Both carry a wafer at the same time.
+    let both = "HOME\nGET P1 SLOT 1 WITH E\nGET P2 SLOT 1 WITH E2\nPUT P1 SLOT 1 WITH E\nPUT P2 SLOT 1 WITH E2\nHOME\n";
+    let station = &OWN[OWN.find("[[station]]").unwrap()..OWN.find("[[template]]").unwrap()];
+    let second = station.replace("P1", "P2").replace("[-700.0, 0.0,", "[700.0, 0.0,");
+    let second = second.replace("heading_deg = 90.0", "heading_deg = -90.0");
+    let two = text.replace("[[template]]", &format!("{second}[[template]]"));
+    assert_eq!(violations(&read(&two.replace("effectors = [\"E\"]\n", "")), both), NONE);
+    assert_eq!(remove_entry(&text, EntryList::Effector, "E2").unwrap(), OWN);
+}
+
+#[test]
+fn an_added_effector_is_above_the_highest_one_of_its_arm() {
+    // The highest effector is not the last one, and an expression; it points backward.
+    let effectors = r#"effector = [
+    { name = "up", wafer_center_mm = ["-300", 0, "link_mm / 10"], heading_deg = "90 * 2", support = { kind = "edge" }, friction = 0.4 }, # high
+    { name = "low", wafer_center_mm = [300, 0, 10], support = { kind = "edge" }, friction = 0.4 },
+]"#;
+    let start = OWN.find("effector = [{").unwrap();
+    let end = start + OWN[start..].find('\n').unwrap();
+    let text = format!("{}{effectors}{}", &OWN[..start], &OWN[end..]);
+    let text = text.replace("effectors = [\"E\"]", "effectors = [\"low\"]");
+    let text = text.replace("effector = \"E\"", "effector = \"low\"");
+    let added = add_effector(&text, "arm");
+    assert_eq!(added.name, "up2");
+    let cell = read(&added.text);
+    let new = &cell.robot.arms[0].effectors[2];
+    assert!((new.wafer_center[2] - 0.033).abs() < 1e-12, "{:?}", new.wafer_center);
+    assert!((new.heading - std::f64::consts::PI).abs() < 1e-12);
+    assert!(added.text.contains("\"(link_mm / 10) + 10"), "{}", added.text);
+    assert_eq!(comments(&added.text), comments(&text));
+    assert_eq!(remove_entry(&added.text, EntryList::Effector, "up2").unwrap(), text);
+    // Without one, it is that of the catalogue.
+    let none = format!("{}effector = []{}", &OWN[..start], &OWN[end..]);
+    let none = none.replace("effectors = [\"E\"]\n", "");
+    let none = &none[..none.find("[[part]]").unwrap()];
+    let first = add_effector(none, "arm");
+    assert_eq!(violations(&read(&first.text), "HOME\nGET P1\nPUT P1\nHOME\n"), NONE);
+    // The robot of the catalogue is copied first, and the effector belongs to the named arm.
+    let copied = add_effector(EXAMPLE, "lower");
+    assert_eq!(copied.name, "B2");
+    assert_eq!(names(&read(&copied.text).robot)[2], ["A", "B", "B2"]);
+}
+
+#[test]
 fn a_robot_of_the_catalogue_is_copied_into_the_cell_file() {
     let before = read(EXAMPLE);
     let text = remove_entry(EXAMPLE, EntryList::Arm, "upper").unwrap();
@@ -320,6 +393,9 @@ fn arms_of_every_robot_of_the_catalogue_are_duplicated_and_removed() {
             let blades = duplicate(&two, EntryList::Effector, &effector);
             assert_eq!(violations(&read(&blades.text), "HOME\n"), NONE, "{robot} {arm}");
             assert_eq!(remove_entry(&blades.text, EntryList::Effector, &blades.name).unwrap(), two);
+            let blades = add_effector(&two, arm);
+            assert_eq!(violations(&read(&blades.text), "HOME\n"), NONE, "{robot} {arm}");
+            assert_eq!(remove_entry(&blades.text, EntryList::Effector, &blades.name).unwrap(), two);
         }
     }
 }
@@ -367,6 +443,10 @@ station = [{ name = "P", position_mm = [400, 0, 560], heading_deg = -90, stroke 
     let blades = duplicate(inline, EntryList::Effector, "e");
     assert_eq!(read(&blades.text).robot.arms[0].effectors.len(), 2);
     assert_eq!(remove_entry(&blades.text, EntryList::Effector, "e2").unwrap(), inline);
+    let blade = add_effector(inline, "a");
+    assert_eq!(comments(&blade.text), comments(inline));
+    assert_eq!(violations(&read(&blade.text), "HOME\n"), NONE);
+    assert_eq!(remove_entry(&blade.text, EntryList::Effector, "e2").unwrap(), inline);
     let rest = remove_entry(&two.text, EntryList::Arm, "a").unwrap();
     // Comments of what is removed are removed with it.
     assert_eq!(comments(&rest), ["# The robot on one line.", "# so"]);
@@ -414,8 +494,12 @@ proptest! {
             let two = duplicate_entry(&text, EntryList::Arm, name, files).unwrap();
             prop_assert_eq!(cell::read(&two.text, files).unwrap().robot.arms.len(), 2);
             prop_assert_eq!(&remove_entry(&two.text, EntryList::Arm, &two.name).unwrap(), &text);
+            let blade = add_entry(&text, &NewEntry::Effector { arm: name.clone() }, files).unwrap();
+            prop_assert_eq!(cell::read(&blade.text, files).unwrap().robot.arms[0].effectors.len(), 2);
+            prop_assert_eq!(&remove_entry(&blade.text, EntryList::Effector, &blade.name).unwrap(), &text);
         } else {
             let _ = add_entry(&text, &NewEntry::Arm, files);
+            let _ = add_entry(&text, &NewEntry::Effector { arm: "arm".to_owned() }, files);
             for (list, name) in [(EntryList::Arm, "arm"), (EntryList::Effector, "E"), (EntryList::Station, "P1")] {
                 let _ = duplicate_entry(&text, list, name, files);
                 let _ = remove_entry(&text, list, name);
@@ -444,13 +528,18 @@ fn what_cannot_be_changed_is_refused_with_the_reason() {
         text = duplicate(&text, EntryList::Effector, "E").text;
     }
     assert!(message(duplicate_entry(&text, EntryList::Effector, "E", files)).contains("at most 4"));
+    let effector = |arm: &str| NewEntry::Effector { arm: arm.to_owned() };
+    assert!(message(add_entry(&text, &effector("arm"), files)).contains("at most 4"));
+    assert!(message(add_entry(EXAMPLE, &effector("uper"), files)).contains("`upper`"));
     let like = format!("{OWN}[[body]]\nname = \"finger\"\nlike = \"lower-link\"\non = \"world\"\n");
     assert!(
         removal(remove_entry(&add(&like).text, EntryList::Arm, "arm"))
             .contains("\"finger\" takes values")
     );
     for robot in ["robot = \"arms.toml\"\n", "robot = \"gpr\"\n"] {
-        assert!(message(add_entry(robot, &NewEntry::Arm, files)).contains("are described in"));
+        for entry in [NewEntry::Arm, effector("arm")] {
+            assert!(message(add_entry(robot, &entry, files)).contains("are described in"));
+        }
     }
     for robot in ["", "robot = 3\n"] {
         assert!(message(add_entry(robot, &NewEntry::Arm, files)).contains("no robot"));

@@ -76,7 +76,9 @@ fn a_new_entry_is_valid_and_removed_without_a_trace() {
                 }
             }
             NewEntry::Body { .. } => assert!(after.bodies.iter().any(|it| it.name == name)),
-            NewEntry::Arm => unreachable!("arms have tests of their own"),
+            NewEntry::Arm | NewEntry::Effector { .. } => {
+                unreachable!("arms and effectors have tests of their own")
+            }
         }
         let again = add_entry(&text, &entry, &mut no_files).unwrap();
         assert_ne!(again.name, name);

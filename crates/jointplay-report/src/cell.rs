@@ -12,6 +12,7 @@ use jointplay_core::virtualization::BuiltIn;
 use serde::Serialize;
 
 use crate::distance::{DistanceReport, distance};
+use crate::entity::EntityReport;
 use crate::nearest::{NearestReport, nearest};
 use crate::schedule::{ScheduleReport, schedule_report};
 use crate::segment::{SegmentReport, segments};
@@ -208,8 +209,8 @@ pub struct InstructionReport {
 pub struct ViolationReport {
     /// Kind of the violation, such as `speed limit` or `collision`.
     pub kind: String,
-    /// Names of the axis, effector or bodies concerned.
-    pub names: Vec<String>,
+    /// The axis, effector, bodies, wafers or zone concerned.
+    pub entities: Vec<EntityReport>,
     /// Number of the instruction, from 1.
     pub instruction: usize,
     /// Line of the instruction.
@@ -417,7 +418,7 @@ fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
     let counts = !unit.is_empty() && one.worst.is_finite();
     ViolationReport {
         kind: one.kind.to_string(),
-        names: one.entities.iter().map(|&one| cell.entity_name(one)).collect(),
+        entities: one.entities.iter().map(|&one| EntityReport::new(cell, one)).collect(),
         instruction: one.instruction + 1,
         line: one.place.line,
         column: one.place.column,

@@ -17,6 +17,7 @@ mod cell_text;
 mod compare;
 mod displacement;
 mod distance;
+mod entity;
 mod expected;
 mod forward;
 mod instructions;
@@ -59,6 +60,7 @@ pub use displacement::{
     WaferDisplacementReport, displacement,
 };
 pub use distance::DistanceReport;
+pub use entity::{EntityKind, EntityReport};
 pub use expected::{DisagreementReport, disagreements};
 pub use forward::{ForwardReport, PlatformReport, forward};
 pub use jacobian::{

@@ -11,6 +11,7 @@ use jointplay_format::program::phase_name;
 use jointplay_format::units::mm;
 use serde::Serialize;
 
+use crate::entity::EntityReport;
 use crate::violation::{explain_violation, in_display_unit};
 
 /// Violations with one cause: of one limit by the same entities, with all wafers counted as one.
@@ -19,8 +20,8 @@ use crate::violation::{explain_violation, in_display_unit};
 pub struct ViolationGroupReport {
     /// ViolationKind of the worst violation.
     pub kind: String,
-    /// Names of the axis, effector or bodies of the worst violation.
-    pub names: Vec<String>,
+    /// The axis, effector, bodies, wafers or zone of the worst violation.
+    pub entities: Vec<EntityReport>,
     /// Number of violations.
     pub count: usize,
     /// Number of different wafers concerned.
@@ -136,7 +137,7 @@ fn group_report(
     };
     ViolationGroupReport {
         kind: worst.kind.to_string(),
-        names: worst.entities.iter().map(|&one| cell.entity_name(one)).collect(),
+        entities: worst.entities.iter().map(|&one| EntityReport::new(cell, one)).collect(),
         count: group.violations.len(),
         wafers: group.wafers.len(),
         line: worst.place.line,

@@ -11,7 +11,7 @@ use crate::strict;
 
 /// Maximum size of a request body (bytes): twice that of the largest file, whose characters may be escaped, and room for all else.
 ///
-/// The page knows it as `MAX_BODY_BYTES` in `studio/src/lib/requestSize.ts`.
+/// The page knows it as `MAX_BODY_BYTES` in `studio/src/lib/requestSize.ts`; a test compares them.
 pub(crate) const MAX_BODY_BYTES: usize = 10_000_000;
 
 /// The body of a request, parsed as `T`.

@@ -21,7 +21,7 @@ import {
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import type { StationDocument } from '../api/client';
 import type { Frame } from '../lib/kinematics';
-import { partKey, partTitle, type CellParts, type Part, type PartKind, type Slot } from '../lib/parts';
+import { partKey, partTitle, type CellParts, type Part, type Slot } from '../lib/parts';
 import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
 import type { Label, Overlay } from '../scene/labels';
@@ -40,8 +40,6 @@ export interface CellRendererEvents extends RendererEvents {
   loaded: (extent: [number[], number[]]) => void;
 }
 
-/** Kinds of the parts that take part in the check of collisions and zones, which names them without their kinds. */
-const CHECKED_KINDS: readonly PartKind[] = ['body', 'wafer', 'zone'];
 /** Layer of hidden parts. */
 const HIDDEN_LAYER = 31;
 /** Radius of the drag handles of a station before scaling, and their largest size on the screen [px]. */
@@ -126,21 +124,21 @@ export class CellRenderer extends SceneRenderer {
 
   /** Names of the parts highlighted as selected. */
   get selected(): string[] {
-    return this.#partsWith(this.#selected);
+    return this.#titles(({ material }) => material === this.#selected);
   }
 
-  /** Names of the parts highlighted as in contact or in violation. */
+  /** Keys of the parts highlighted as in contact or in violation. */
   get violating(): string[] {
-    return this.#partsWith(this.#violating);
-  }
-
-  #partsWith(highlight: Material): string[] {
-    return this.#titles(({ material }) => material === highlight);
+    return [...new Set(this.#partsOf(({ material }) => material === this.#violating).map(partKey))];
   }
 
   /** Names of the parts whose meshes satisfy a condition. */
   #titles(holds: (mesh: Mesh) => boolean): string[] {
-    return [...new Set([...this.#materials.keys()].filter(holds).flatMap((mesh) => this.#shows.get(mesh) ?? []).map(partTitle))];
+    return [...new Set(this.#partsOf(holds).map(partTitle))];
+  }
+
+  #partsOf(holds: (mesh: Mesh) => boolean): Part[] {
+    return [...this.#materials.keys()].filter(holds).flatMap((mesh) => this.#shows.get(mesh) ?? []);
   }
 
   /** Keys of all parts. */
@@ -217,7 +215,7 @@ export class CellRenderer extends SceneRenderer {
     return part.getWorldPosition(new Vector3());
   }
 
-  /** Highlights parts: those in violation, by the names that the check reports, and the selected ones, by their keys. */
+  /** Highlights parts by their keys: those in violation, and the selected ones. */
   highlight(violating: ReadonlySet<string>, selected: ReadonlySet<string>): void {
     this.#highlighted = { violating, selected };
     this.#highlight();
@@ -338,8 +336,8 @@ export class CellRenderer extends SceneRenderer {
     const { violating, selected } = this.#highlighted;
     for (const [mesh, own] of this.#materials) {
       const part = this.#shows.get(mesh);
-      const isViolating = part !== undefined && CHECKED_KINDS.includes(part.kind) && violating.has(part.name);
-      mesh.material = isViolating ? this.#violating : part && selected.has(partKey(part)) ? this.#selected : own;
+      const key = part && partKey(part);
+      mesh.material = key === undefined ? own : violating.has(key) ? this.#violating : selected.has(key) ? this.#selected : own;
     }
   }
 

@@ -3,7 +3,7 @@
 import * as api from '../api/client';
 import { ApiError, type PlanDocument } from '../api/client';
 import { frames, type Frame, type Names } from '../lib/kinematics';
-import type { Slot } from '../lib/parts';
+import type { Part, Slot } from '../lib/parts';
 import { MotionWindow, type WaferPlacement, type Step } from '../lib/motion';
 
 /** State of the motion at one time. */
@@ -133,7 +133,7 @@ export class Timeline {
   }
 
   /** The violations at a time [s]. */
-  violations(time: number): { names: string[]; message: string }[] {
+  violations(time: number): { entities: Part[]; message: string }[] {
     void this.version;
     const at = this.#windowIndex(time);
     const since = time - (this.plan?.windows[at]?.start_s ?? 0);

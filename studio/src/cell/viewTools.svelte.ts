@@ -1,6 +1,6 @@
 // Tools of the 3D view of a cell: play scale, hidden parts, section plane, followed part, path of a wafer, measuring.
 
-import type { Part } from '../lib/parts';
+import { partKey, type Part } from '../lib/parts';
 
 export const SECTION_AXES = ['x', 'y', 'z'] as const;
 export type SectionAxis = (typeof SECTION_AXES)[number];
@@ -36,8 +36,8 @@ export class ViewTools {
   traced = $state<string | null>(null);
   /** Whether the minimum distance in the shown pose is drawn as a line. */
   nearestShown = $state(true);
-  /** Names of the pair whose distance is drawn; `null` for the pair with the smallest distance. */
-  pair = $state.raw<readonly string[] | null>(null);
+  /** The pair whose distance is drawn; `null` for the pair with the smallest distance. */
+  pair = $state.raw<readonly Part[] | null>(null);
   /** Name of the station whose plane is taught by clicked points; `null` if clicks do not teach. */
   teaching = $state<string | null>(null);
   /** Whether clicks measure distances. */
@@ -103,13 +103,13 @@ export class ViewTools {
   }
 
   /** Draws the distance of a pair, or that of the nearest pair again. */
-  togglePair(pair: readonly string[]): void {
+  togglePair(pair: readonly Part[]): void {
     this.pair = this.isPair(pair) ? null : pair;
     if (this.pair) this.nearestShown = true;
   }
 
-  isPair(pair: readonly string[]): boolean {
-    return this.pair?.join('\0') === pair.join('\0');
+  isPair(pair: readonly Part[]): boolean {
+    return this.pair?.map(partKey).join('\0') === pair.map(partKey).join('\0');
   }
 
   /** Begins or ends teaching the plane of a station by clicked points. */

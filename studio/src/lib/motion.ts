@@ -1,5 +1,7 @@
 // Windows of a motion as received from the server: each channel is a piecewise cubic between keys.
 
+import type { Part } from './parts';
+
 /** Location of a wafer and its pose there: origin [m] and vector part of the unit quaternion. */
 export interface WaferPlacement {
   wafer: number;
@@ -12,7 +14,8 @@ export interface WaferPlacement {
 
 /** A violation, with times since the start of the window [s]. */
 export interface WindowViolation {
-  names: string[];
+  /** The axis, effector, bodies, wafers or zone concerned. */
+  entities: Part[];
   message: string;
   /** Phase of the instruction at the worst time, such as `turn` or `extend`. */
   phase: string;

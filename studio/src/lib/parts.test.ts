@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { keysOfPart, partKey, partOfKey, partTitle, samePart, stationOfPart, type CellParts, type Part } from './parts';
+import { keysOfPart, pairTitle, partKey, partOfKey, partTitle, samePart, stationOfPart, type CellParts, type Part } from './parts';
 
 /** A cell whose parts share their names. */
 const CELL: CellParts = {
@@ -25,6 +25,11 @@ test('parts of one name differ by their kind, and slots by their number', () => 
   expect(samePart(parts[0]!, parts[1]!)).toBe(false);
   expect(samePart(parts[0]!, null)).toBe(false);
   expect(samePart(null, null)).toBe(true);
+});
+
+test('a pair of parts is named by its names, and by their kinds where the names are equal', () => {
+  expect(pairTitle([{ kind: 'body', name: 'wall' }, { kind: 'wafer', name: 'wafer of LP1 1' }])).toBe('wall – wafer of LP1 1');
+  expect(pairTitle([{ kind: 'body', name: 'wall' }, { kind: 'zone', name: 'wall' }])).toBe('body wall – zone wall');
 });
 
 test('a part is restored from its key', () => {

@@ -41,6 +41,12 @@ export function partTitle({ name, slot }: Part): string {
   return slot === undefined ? name : `${name} ${slot}`;
 }
 
+/** Names of a pair of parts for display; with their kinds if they are equal. */
+export function pairTitle(pair: readonly Part[]): string {
+  const titles = pair.map(partTitle);
+  return (new Set(titles).size < titles.length ? pair.map((part) => `${part.kind} ${partTitle(part)}`) : titles).join(' – ');
+}
+
 /** What the parts of a cell consist of. */
 export interface CellParts {
   stations: readonly { name: string; slots: number }[];

@@ -1,6 +1,6 @@
 // Size of requests, compared with the limit of the server.
 
-/** Largest body of a request that the server accepts [bytes]. */
+/** Largest body of a request that the server accepts [bytes]; a test of the server reads it here and compares them. */
 export const MAX_BODY_BYTES = 10_000_000;
 /** Share of texts in a body; the rest is left for parameters and coordinates. */
 const SHARE_OF_TEXTS = 0.9;

@@ -373,8 +373,9 @@ export abstract class SceneRenderer {
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, this.size.width, this.size.height);
       paintDivider(context, panes, ink);
+      const occupied = [...this.#gripBoxes(), ...this.#coveredBoxes()];
       for (const { overlay, box } of panes)
-        paintLabels(context, overlay.labels, this.camera, box, overlay.covered, [...this.#gripBoxes(), ...(overlay.occupied ?? [])], { text: ink, halo: background });
+        paintLabels(context, overlay.labels, this.camera, box, overlay.covered, [...occupied, ...(overlay.occupied ?? [])], { text: ink, halo: background });
     }
     return true;
   }
@@ -382,6 +383,16 @@ export abstract class SceneRenderer {
   /** The corner of the view with the view cube and the buttons above it, of a given height [px]. */
   protected cornerBox(buttons: number): Box {
     return { left: this.size.width - CORNER, right: this.size.width, top: 0, bottom: buttons + CORNER };
+  }
+
+  /** Areas of the view under elements of the page that are marked by `data-covers` [px]; pictures for export have none. */
+  #coveredBoxes(): Box[] {
+    if (this.exporting) return [];
+    const { left, top } = this.#host.getBoundingClientRect();
+    return [...(this.#host.parentElement?.querySelectorAll('[data-covers]') ?? [])].map((element) => {
+      const box = element.getBoundingClientRect();
+      return { left: box.left - left, top: box.top - top, right: box.right - left, bottom: box.bottom - top };
+    });
   }
 
   /** Areas of the view around the drag handles [px]. */

@@ -1,6 +1,9 @@
 // Layout of the page; stored in the browser and not part of undo.
 
+import { tick } from 'svelte';
+import { MediaQuery } from 'svelte/reactivity';
 import type { CellLink } from '../lib/cellLink';
+import type { Side } from '../lib/docks';
 import type { MechanismLink } from '../lib/mechanismLink';
 import { load, save } from '../lib/settings';
 import type { ShortcutSheet } from './shortcuts';
@@ -22,6 +25,12 @@ export type ControllerPanelName = (typeof CONTROLLER_PANELS)[number];
 /** Panels of the view of mechanisms in their initial order. */
 export const MECHANISM_PANELS = ['joints', 'point', 'mobility', 'motions', 'suggest', 'modes', 'comparison', 'parameters'] as const;
 export type MechanismPanelName = (typeof MECHANISM_PANELS)[number];
+
+/** Windows with too little space for panels next to the view and below it: their panels are drawers. The style sheets have the same query. */
+const COMPACT = '(max-width: 900px) and (max-height: 560px)';
+/** Identifiers of the drawers and of the buttons that open them. */
+export const drawerId = (side: Side) => `drawer-${side}`;
+export const drawerButtonId = (side: Side) => `open-drawer-${side}`;
 
 /** Views of the page. */
 export type Part = 'robot' | 'mechanism' | 'cell';
@@ -51,6 +60,9 @@ class Layout {
   /** Whether the server has a simulated controller. */
   controller = $state(false);
   readonly mechanismPanels = new PanelLayout('mechanism.', MECHANISM_PANELS, ['right']);
+  readonly #compact = new MediaQuery(COMPACT);
+  /** The open drawer of a small window. */
+  drawer = $state<Side | null>(null);
   docksShown = $state(load('docksShown', true, flag));
   /** Whether the axis plots of the cell are visible, and the height of chart and plots [px]. */
   cellPlots = $state(load('cell.plots', false, flag));
@@ -86,12 +98,35 @@ class Layout {
 
   setPart(part: Part): void {
     this.chosenPart = part;
+    this.drawer = null;
     save('part', part);
     try {
       sessionStorage.setItem(PART_OF_TAB, part);
     } catch {
       // Storage may be unavailable, for example in private windows.
     }
+  }
+
+  /** Whether panels are drawers. */
+  get compact(): boolean {
+    return this.#compact.current;
+  }
+
+  /** Opens a drawer in place of another one, with the focus in it, or closes it. */
+  toggleDrawer(side: Side): void {
+    this.drawer = this.drawer === side ? null : side;
+    if (this.drawer) void tick().then(() => document.getElementById(drawerId(side))?.focus());
+  }
+
+  /** Closes the open drawer; the focus returns to its button. */
+  closeDrawer(): void {
+    if (this.drawer) document.getElementById(drawerButtonId(this.drawer))?.focus();
+    this.drawer = null;
+  }
+
+  /** Shows what a control refers to, where it is in a drawer. */
+  reveal(side: Side): void {
+    if (this.compact) this.drawer = side;
   }
 
   toggleDocks(): void {

@@ -17,7 +17,7 @@ export interface CellProbe {
   shown: () => string[];
   /** Position and target of the camera [m]. */
   camera: () => { eye: number[]; target: number[] } | null;
-  /** Names of the parts highlighted as in violation. */
+  /** Keys of the parts highlighted as in violation. */
   violating: () => string[];
   /** End points of the line of the minimum distance [m]; empty without a line. */
   nearest: () => number[];

@@ -1,10 +1,22 @@
 //! Functions of time as cubics between keys.
 
+/// Functions of time that channels approximate, one number each.
+pub(super) trait Functions {
+    type Error;
+
+    /// Values at a time.
+    fn values(&self, time: f64) -> Result<Vec<f64>, Self::Error>;
+
+    /// Derivatives by time at a time, which may take longer than the values.
+    fn rates(&self, time: f64) -> Result<Vec<f64>, Self::Error>;
+}
+
 /// Values and rates of all channels at one time.
-pub(super) struct State {
-    pub(super) time: f64,
-    pub(super) values: Vec<f64>,
-    pub(super) rates: Vec<f64>,
+#[derive(Clone)]
+struct State {
+    time: f64,
+    values: Vec<f64>,
+    rates: Vec<f64>,
 }
 
 /// A function of time as cubics between keys; before the first key and after the last it is constant.
@@ -17,8 +29,8 @@ pub(super) struct Channel {
 
 /// Shortest interval that is halved (s).
 const SHORTEST: f64 = 1e-3;
-/// Shares of an interval at which its cubic is compared with the function.
-const PROBES: [f64; 3] = [0.25, 0.5, 0.75];
+/// Shares of an interval at which its cubic is compared with the function; the first one is that of the next key.
+const PROBES: [f64; 3] = [0.5, 0.25, 0.75];
 
 /// The value of the cubic between two keys, a time after the first.
 pub(super) fn cubic([v0, v1]: [f64; 2], [r0, r1]: [f64; 2], width: f64, since: f64) -> f64 {
@@ -31,23 +43,24 @@ pub(super) fn cubic([v0, v1]: [f64; 2], [r0, r1]: [f64; 2], width: f64, since: f
 /// Keys of several channels over an interval of time.
 ///
 /// Intervals between breaks are halved until the cubics are within their tolerances; then keys that follow from their neighbours are removed, channel by channel.
+/// Rates are computed at the ends of these intervals only.
 ///
 /// # Arguments
 /// * `breaks` – growing times at which a derivative of a channel may jump; first and last are the ends (s)
 /// * `tolerances` – for each channel, in its unit
 ///
 /// # Errors
-/// Those of `at`.
-pub(super) fn channels<E>(
+/// Those of the functions.
+pub(super) fn channels<F: Functions>(
     breaks: &[f64],
     tolerances: &[f64],
-    at: &dyn Fn(f64) -> Result<State, E>,
-) -> Result<Vec<Channel>, E> {
+    functions: &F,
+) -> Result<Vec<Channel>, F::Error> {
     let mut states: Vec<State> = Vec::with_capacity(2 * breaks.len());
     for &time in breaks {
-        let next = at(time)?;
+        let next = State { time, values: functions.values(time)?, rates: functions.rates(time)? };
         if let Some(last) = states.pop() {
-            between(last, &next, tolerances, at, &mut states)?;
+            between(last, &next, tolerances, functions, &mut states)?;
         }
         states.push(next);
     }
@@ -55,35 +68,33 @@ pub(super) fn channels<E>(
 }
 
 /// Adds the first state, and those that are needed between it and the second.
-fn between<E>(
+fn between<F: Functions>(
     first: State,
     second: &State,
     tolerances: &[f64],
-    at: &dyn Fn(f64) -> Result<State, E>,
+    functions: &F,
     states: &mut Vec<State>,
-) -> Result<(), E> {
+) -> Result<(), F::Error> {
     let width = second.time - first.time;
     if width > 2.0 * SHORTEST {
-        let probes = PROBES.map(|share| at(first.time + share * width));
-        let [early, middle, late] = probes;
-        let probes = [early?, middle?, late?];
-        let fits = |probe: &State| {
+        let fits = |time: f64, expected: &[f64]| {
             tolerances.iter().enumerate().all(|(k, tolerance)| {
                 let (values, rates) =
                     ([first.values[k], second.values[k]], [first.rates[k], second.rates[k]]);
-                let found = cubic(values, rates, width, probe.time - first.time);
-                (found - probe.values[k]).abs() <= *tolerance
+                let found = cubic(values, rates, width, time - first.time);
+                (found - expected[k]).abs() <= *tolerance
             })
         };
-        if !probes.iter().all(fits) {
-            let [_, middle, _] = probes;
-            let at_middle = State {
-                time: middle.time,
-                values: middle.values.clone(),
-                rates: middle.rates.clone(),
-            };
-            between(first, &middle, tolerances, at, states)?;
-            return between(at_middle, second, tolerances, at, states);
+        let [time, early, late] = PROBES.map(|share| first.time + share * width);
+        let values = functions.values(time)?;
+        // A cubic that is not within its tolerance usually misses the middle.
+        let all_fit = fits(time, &values)
+            && fits(early, &functions.values(early)?)
+            && fits(late, &functions.values(late)?);
+        if !all_fit {
+            let middle = State { time, values, rates: functions.rates(time)? };
+            between(first, &middle, tolerances, functions, states)?;
+            return between(middle, second, tolerances, functions, states);
         }
     }
     states.push(first);
@@ -151,6 +162,9 @@ fn spans(states: &[State], k: usize, tolerance: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+    use std::convert::Infallible;
+
     use super::*;
 
     fn value(channel: &Channel, time: f64) -> f64 {
@@ -164,21 +178,51 @@ mod tests {
         cubic([values[k], values[next]], [rates[k], rates[next]], width, time - times[k])
     }
 
+    /// A cubic, a sine and a constant, with the number of times at which values and rates were computed.
+    #[derive(Default)]
+    struct CubicAndSine {
+        values: Cell<usize>,
+        rates: Cell<usize>,
+    }
+
+    impl Functions for CubicAndSine {
+        type Error = Infallible;
+
+        fn values(&self, t: f64) -> Result<Vec<f64>, Infallible> {
+            self.values.set(self.values.get() + 1);
+            Ok(vec![1.0 + t * (2.0 - t * (0.5 - t)), (3.0 * t).sin(), 7.0])
+        }
+
+        fn rates(&self, t: f64) -> Result<Vec<f64>, Infallible> {
+            self.rates.set(self.rates.get() + 1);
+            Ok(vec![2.0 - t + 3.0 * t * t, 3.0 * (3.0 * t).cos(), 0.0])
+        }
+    }
+
+    #[test]
+    fn rates_are_computed_at_the_ends_of_intervals_only() {
+        // One interval that fits: its two ends, and values at three times between them.
+        let functions = CubicAndSine::default();
+        let Ok(_) = channels(&[0.0, 1e-2], &[1e-9, 1e-6, 1e-9], &functions);
+        assert_eq!((functions.rates.get(), functions.values.get()), (2, 5));
+        // Halved n times: n middles with rates, and three more values for each of the n + 1 intervals.
+        let functions = CubicAndSine::default();
+        let Ok(_) = channels(&[0.0, 2.0], &[1e-9, 1e-6, 1e-9], &functions);
+        let halved = functions.rates.get() - 2;
+        assert!(halved > 6, "{halved}");
+        assert_eq!(functions.values.get(), 2 + halved + 3 * (halved + 1));
+    }
+
     #[test]
     fn cubics_are_exact_and_other_functions_are_within_their_tolerance() {
-        let functions = |t: f64| {
-            let values = vec![1.0 + t * (2.0 - t * (0.5 - t)), (3.0 * t).sin(), 7.0];
-            let rates = vec![2.0 - t + 3.0 * t * t, 3.0 * (3.0 * t).cos(), 0.0];
-            Ok::<_, ()>(State { time: t, values, rates })
-        };
-        let found = channels(&[0.0, 0.3, 2.0], &[1e-9, 1e-6, 1e-9], &functions).unwrap();
+        let Ok(found) = channels(&[0.0, 0.3, 2.0], &[1e-9, 1e-6, 1e-9], &CubicAndSine::default());
         assert_eq!(found[0].times, [0.0, 2.0], "the break is none of the cubic");
         assert_eq!((found[2].times.len(), found[2].values[0]), (1, 7.0));
         let sine = found[1].times.len();
         assert!((8..80).contains(&sine), "{sine}");
         for k in 0..=2000 {
             let t = f64::from(k) * 1e-3;
-            let expected = functions(t).unwrap().values;
+            let Ok(expected) = CubicAndSine::default().values(t);
             for ((channel, expected), within) in found.iter().zip(expected).zip([1e-13, 3e-6, 0.0])
             {
                 assert!((value(channel, t) - expected).abs() <= within, "{t}");

@@ -36,6 +36,8 @@ pub(super) struct Track {
     pub(super) rates: Vec<Rate>,
     /// Stays of a wafer in slots; empty for other parts.
     pub(super) slot_stays: Vec<SlotStay>,
+    /// The pose of the last sample.
+    last: Option<Pose>,
 }
 
 /// Rate of change of a pose in its parent.
@@ -136,7 +138,7 @@ impl Track {
     fn new(name: &str, of: Part, parent: Option<usize>) -> Self {
         let name = name.to_owned();
         let (places, turns, rates) = (Vec::new(), Vec::new(), Vec::new());
-        Self { name, of, parent, places, turns, rates, slot_stays: Vec::new() }
+        Self { name, of, parent, places, turns, rates, slot_stays: Vec::new(), last: None }
     }
 
     /// Where it is in its parent, the robot being posed like this.
@@ -160,6 +162,13 @@ impl Track {
     }
 
     fn push(&mut self, pose: &Pose) {
+        // Most wafers do not move.
+        if self.last.as_ref() == Some(pose) {
+            self.places.extend_from_within(self.places.len() - 1..);
+            self.turns.extend_from_within(self.turns.len() - 1..);
+            return;
+        }
+        self.last = Some(*pose);
         let turn = self.turn(pose);
         // Rounded, so that frames at rest have equal poses.
         self.places.push(<[f64; 3]>::from(pose.translation.vector).map(|part| rounded(part, 1e9)));
@@ -168,7 +177,6 @@ impl Track {
 
     /// Adds the rate at the last pose, from the poses a [`MOMENT`] before, at, and after its time.
     fn push_rate(&mut self, poses: &[Pose; 3]) {
-        // Most wafers do not move.
         if poses[0] == poses[1] && poses[1] == poses[2] {
             return self.rates.push(Rate::default());
         }

@@ -196,7 +196,7 @@ impl Timeline {
                 change.to.hash_into(&mut hasher);
             }
             for one in self.violations(motion, violations, window) {
-                (&one.kind, &one.names, &one.phase, &one.message).hash(&mut hasher);
+                (&one.kind, &one.entities, &one.phase, &one.message).hash(&mut hasher);
                 for time in [one.start_s, one.end_s] {
                     since(time, window.start).to_bits().hash(&mut hasher);
                 }

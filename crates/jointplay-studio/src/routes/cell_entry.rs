@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::cell::{self, EntryAdded};
+use jointplay::format::cell::{self, EntryAdded, EntryList};
 
 use crate::body::Body;
 use crate::cell_files::CellFiles;
@@ -14,7 +14,7 @@ use crate::wire::cell_entry::{EntryAction, EntryDocument, EntryRequest};
 ///
 /// Comments and all other entries are preserved. Nothing is saved before both texts are `PUT`.
 /// Bodies, parts and frames attached to an entry are duplicated and removed with it, and their allowed contacts; other references to a removed entry become errors of the cell or of the program.
-/// An arm is duplicated and removed with its effectors and its own axes; an added or duplicated arm is mounted above the others.
+/// An arm is duplicated and removed with its effectors and its own axes; an added or duplicated arm is mounted above the others, and an added or duplicated effector 10 mm above another one of its arm.
 /// A robot of the catalogue is copied into the text of the cell before its arms change; a robot in a file of its own cannot be changed here.
 #[utoipa::path(
     post,
@@ -43,6 +43,10 @@ fn change(text: &str, request: &EntryRequest, files: &CellFiles) -> Result<Entry
     let added = |EntryAdded { text, name }| EntryDocument { cell: text, name: Some(name) };
     Ok(match request.action {
         EntryAction::Add => {
+            let invalid = |problem: cell::Problem| {
+                let field = if list == EntryList::Effector { "arm" } else { "name" };
+                Problem::field(field, problem.to_string())
+            };
             let added_entry = cell::add_entry(text, &request.new_entry()?, files);
             added(added_entry.map_err(invalid)?)
         }

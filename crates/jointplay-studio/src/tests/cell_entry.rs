@@ -52,7 +52,8 @@ fn unknown_and_missing_names_are_refused() {
         (json!({ "action": "remove", "list": "station", "name": "LP9" }), "LP1"),
         (json!({ "action": "duplicate", "list": "body", "name": "walls" }), "wall"),
         (json!({ "action": "add", "list": "body", "position_m": [0.0, 1e9, 0.0] }), "1000"),
-        (json!({ "action": "add", "list": "effector" }), "duplicate"),
+        (json!({ "action": "add", "list": "effector" }), "needs an arm"),
+        (json!({ "action": "add", "list": "effector", "arm": "uper" }), "upper"),
         (json!({ "action": "add", "list": "arm" }), "at most 2"),
         (json!({ "action": "remove", "list": "arm", "name": "uper" }), "upper"),
         (json!({ "action": "remove", "list": "effector", "name": "A" }), "at least one"),
@@ -116,6 +117,14 @@ fn arms_and_effectors_are_added_duplicated_and_removed() {
         &json!({ "cell": blades["cell"], "action": "remove", "list": "effector", "name": "B2" }),
     );
     assert_eq!(blade["cell"], added["cell"]);
+    let blade = change(
+        &json!({ "cell": added["cell"], "action": "add", "list": "effector", "arm": "arm-1" }),
+    );
+    assert_eq!(blade["name"], "A2");
+    assert_eq!(
+        robot(&blade["cell"]),
+        names("lower arm-1", "[B] [A,A2]", [[false, true], [true, false]])
+    );
     let back = change(
         &json!({ "cell": added["cell"], "action": "remove", "list": "arm", "name": "arm-1" }),
     );

@@ -222,7 +222,9 @@ fn every_pose_is_checked_and_a_contact_stops_a_jog() {
     let found = jog(&server, through.clone());
     assert_eq!((&found["stopped"], positions(&found)), (&Value::Null, to.clone()));
     let touching = found["check"]["in_contact"].as_array().unwrap();
-    assert!(touching.contains(&"wall".into()) && touching.contains(&"blade-A".into()), "{found}");
+    for name in ["wall", "blade-A"] {
+        assert!(touching.contains(&json!({ "kind": "body", "name": name })), "{found}");
+    }
     let violation = &found["check"]["violations"][0];
     assert_eq!((&violation["kind"], &violation["is_contact"]), (&"collision".into(), &true.into()));
     let message = violation["message"].as_str().unwrap();
@@ -271,8 +273,8 @@ fn nearest_points_are_on_both_bodies_at_the_reported_distance() {
             let (first, second) = (point(0), point(1));
             let apart = first.iter().zip(&second).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
             assert!((apart - pair["distance_m"].as_f64().unwrap()).abs() < 1e-6, "{pair}");
-            let bodies = pair["bodies"].as_array().unwrap();
-            if let Some(k) = bodies.iter().position(|name| name == "wall") {
+            let bodies = pair["entities"].as_array().unwrap();
+            if let Some(k) = bodies.iter().position(|one| one["name"] == "wall") {
                 on_the_wall += 1;
                 // The box of the file: its point is on the surface.
                 let [center, half] = [[0.1, -0.6, 0.5], [0.3, 0.01, 0.5]];

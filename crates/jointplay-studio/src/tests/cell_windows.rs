@@ -14,6 +14,34 @@ use super::{HOST, PORT, state};
 use crate::cell_files::CellFiles;
 use crate::session::WorkcellSession;
 
+/// All entities of a list of violations.
+fn entities(violations: &Value) -> BTreeSet<String> {
+    let violations = violations.as_array().unwrap().iter();
+    violations.flat_map(|one| one["entities"].as_array().unwrap()).map(Value::to_string).collect()
+}
+
+#[test]
+fn violations_name_their_entities_with_kinds() {
+    let server = server(CellFiles::example());
+    // The wall is in the path of the arms; a zone has the name of the wall.
+    let zone = "\n[[zone]]\nname = \"wall\"\nrule = \"keep-out\"\nposition_mm = [2000, 0, 0]\nbox = { size_mm = [10, 10, 10] }\n";
+    let cell = cell().replace("[100.0, -600.0, 500.0]", "[-330.0, 330.0, 500.0]") + zone;
+    let found = plan(&server, &json!({ "cell": cell, "program": SHORT }));
+    assert_eq!(found["diagnostics"], json!([]));
+    let [wall, zone] =
+        ["body", "zone"].map(|kind| json!({ "kind": kind, "name": "wall" }).to_string());
+    let groups = entities(&found["report"]["violation_groups"]);
+    let listed = entities(&found["report"]["violations"]);
+    let in_windows: BTreeSet<String> = keys(&found)
+        .iter()
+        .flat_map(|key| entities(&window(&server, key).0["violations"]))
+        .collect();
+    assert_eq!(listed, in_windows);
+    for found in [&groups, &listed] {
+        assert!(found.contains(&wall) && !found.contains(&zone), "{found:?}");
+    }
+}
+
 /// A program that transfers a wafer forth and back `count` times.
 fn long(lines: usize) -> String {
     let mut text = String::from("HOME\n");

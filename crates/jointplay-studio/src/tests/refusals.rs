@@ -3,7 +3,7 @@
 use axum::body::Body;
 use axum::http::{Method, Request, StatusCode};
 
-use super::{HOST, PORT, get, refused, send};
+use super::{HOST, PORT, get, post, refused, send};
 
 /// Sends a request with these headers and returns its status.
 #[track_caller]
@@ -89,4 +89,26 @@ fn unknown_paths_and_methods_are_rejected() {
 fn an_oversized_body_is_rejected() {
     let long = format!("{{\"command\": \"{}\"}}", "x".repeat(crate::body::MAX_BODY_BYTES));
     refused("/api/v1/pose", &long, 413, None, "exceeds 10000000 bytes");
+}
+
+/// The limit that the page compares its requests with (bytes).
+fn limit_of_page() -> usize {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../studio/src/lib/requestSize.ts");
+    let text = std::fs::read_to_string(file).unwrap();
+    let (_, rest) = text.split_once("export const MAX_BODY_BYTES = ").unwrap();
+    let (number, _) = rest.split_once(';').unwrap();
+    number.replace('_', "").parse().unwrap()
+}
+
+#[test]
+fn the_page_knows_the_maximum_size_of_a_body() {
+    let limit = limit_of_page();
+    let frame = "{\"command\": \"\"}";
+    let body = |bytes: usize| {
+        let text = "x".repeat(bytes - frame.len());
+        format!("{{\"command\": \"{text}\"}}")
+    };
+    assert_eq!(body(limit).len(), limit);
+    assert_ne!(post("/api/v1/pose", &body(limit)).status, StatusCode::PAYLOAD_TOO_LARGE);
+    assert_eq!(post("/api/v1/pose", &body(limit + 1)).status, StatusCode::PAYLOAD_TOO_LARGE);
 }

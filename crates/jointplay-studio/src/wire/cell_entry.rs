@@ -25,6 +25,9 @@ pub(crate) struct EntryRequest {
     /// Position of an added station or body in the base frame, of a station at least 0.3 m from the robot's axis (m); default: the origin. An arm is mounted above the others.
     #[serde(default)]
     pub(crate) position_m: Option<Triple>,
+    /// Name of the arm of an added effector, which is 10 mm above the highest one of this arm.
+    #[serde(default)]
+    pub(crate) arm: Option<String>,
     /// Heading of an added station (rad).
     #[serde(default)]
     #[schema(required = false, default = 0.0, minimum = -1000, maximum = 1000)]
@@ -35,7 +38,7 @@ pub(crate) struct EntryRequest {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum EntryAction {
-    /// An entry with assumed dimensions is added; not an effector, which is duplicated.
+    /// An entry with assumed dimensions is added.
     Add,
     /// An entry is duplicated, with everything attached to it.
     Duplicate,
@@ -95,8 +98,9 @@ impl EntryRequest {
             EntryListName::Body => NewEntry::Body { position },
             EntryListName::Arm => NewEntry::Arm,
             EntryListName::Effector => {
-                let why = "an effector is not added but duplicated: use the action `duplicate` with the name of another one";
-                return Err(Problem::field("list", why));
+                let arm = self.arm.clone();
+                let arm = arm.ok_or_else(|| Problem::field("arm", "an effector needs an arm"))?;
+                NewEntry::Effector { arm }
             }
         })
     }

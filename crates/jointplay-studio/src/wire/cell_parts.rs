@@ -48,7 +48,7 @@ pub(crate) struct ArmParts {
     pub(crate) links: Vec<String>,
     /// Its effectors.
     pub(crate) effectors: Vec<String>,
-    /// Reason why no effector can be duplicated in the text of the cell; `null` if one can.
+    /// Reason why no effector can be added or duplicated in the text of the cell; `null` if one can.
     #[schema(required = true)]
     pub(crate) add_refusal: Option<String>,
     /// Reason why no effector can be removed; `null` if one can.

@@ -4,7 +4,7 @@ use jointplay::cell::EntityId;
 use jointplay::cell::check::{MinimumDistance, Report, Violation, ViolationKind};
 use jointplay::cell::workcell::Cell;
 use jointplay::nalgebra::Vector3;
-use jointplay::report::explain_violation;
+use jointplay::report::{EntityReport, explain_violation};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -13,20 +13,20 @@ use super::Triple;
 /// Minimum distances and violations of one pose of the robot at rest.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PoseCheckDocument {
-    /// Pairs below 50 mm by increasing distance, with the names of the report of a check.
+    /// Pairs below 50 mm by increasing distance, with the kinds and names of the report of a check.
     pub(crate) distances: Vec<PoseDistanceDocument>,
     /// Violations of limits of axes and tilt, play, droop, slip, collision, clearance and keep-out zones.
     pub(crate) violations: Vec<PoseViolationDocument>,
-    /// Names of the bodies, wafers and zones in contact, each once.
-    pub(crate) in_contact: Vec<String>,
+    /// The bodies, wafers and zones in contact, each once.
+    pub(crate) in_contact: Vec<EntityReport>,
 }
 
 /// The distance of a pair.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PoseDistanceDocument {
-    /// Names of both.
+    /// Both bodies, wafers or links.
     #[schema(min_items = 2, max_items = 2)]
-    pub(crate) bodies: Vec<String>,
+    pub(crate) entities: Vec<EntityReport>,
     /// Distance, 0 in contact (m).
     pub(crate) distance_m: f64,
     /// Nearest point of each in the base frame (m); `null` in contact, or where the pose of the arm is unknown.
@@ -39,8 +39,8 @@ pub(crate) struct PoseDistanceDocument {
 pub(crate) struct PoseViolationDocument {
     /// Kind, such as `tilt limit` or `collision`, as in the report of a program.
     pub(crate) kind: String,
-    /// Names of the axis, effector or bodies.
-    pub(crate) names: Vec<String>,
+    /// The axis, effector, bodies, wafers or zone.
+    pub(crate) entities: Vec<EntityReport>,
     /// Whether it is a contact of two bodies or the entry into a keep-out zone.
     pub(crate) is_contact: bool,
     /// Description, in mm and degrees.
@@ -75,7 +75,7 @@ impl PoseCheckDocument {
         let distance = |(minimum, points): (&MinimumDistance, &Option<[Vector3<f64>; 2]>)| {
             let MinimumDistance { entities, distance, .. } = minimum;
             PoseDistanceDocument {
-                bodies: entities.map(|one| cell.entity_name(one)).to_vec(),
+                entities: entities.map(|one| EntityReport::new(cell, one)).to_vec(),
                 distance_m: *distance,
                 nearest_points_m: points
                     .map(|points| points.map(|point| Triple(point.into())).to_vec()),
@@ -83,12 +83,13 @@ impl PoseCheckDocument {
         };
         let violation = |one: &Violation| PoseViolationDocument {
             kind: one.kind.to_string(),
-            names: one.entities.iter().map(|&one| cell.entity_name(one)).collect(),
+            entities: one.entities.iter().map(|&one| EntityReport::new(cell, one)).collect(),
             is_contact: is_contact(one),
             message: explain_violation(cell, one),
         };
         let in_contact = touching(report).into_iter().flatten();
-        let mut in_contact: Vec<String> = in_contact.map(|one| cell.entity_name(one)).collect();
+        let mut in_contact: Vec<EntityReport> =
+            in_contact.map(|one| EntityReport::new(cell, one)).collect();
         in_contact.sort();
         in_contact.dedup();
         Self {

@@ -2,10 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+use jointplay_cell::robot::Effector;
+use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 use super::super::described::tables_of;
-use super::super::edit::inline;
+use super::super::edit::{inline, replace};
+use super::super::file::robot_of;
 use super::super::files::Files;
 use super::super::problem::Fault;
 use super::added::EntryAdded;
@@ -39,8 +41,11 @@ const BELOW_MOUNT: f64 = 0.005;
 /// Height of the mount of a new arm where that of the others is unknown (mm).
 const UNKNOWN_MOUNT_MM: f64 = 250.0;
 
-/// Distance of a duplicated effector above its original: the pitch of carriers for wafers of 300 mm (mm).
+/// Distance of a duplicated effector above its original, and of a new one above the others: the pitch of carriers for wafers of 300 mm (mm).
 const EFFECTOR_PITCH_MM: f64 = 10.0;
+
+/// Centre of the blade of a new effector from the centre of the wafer's lower face, along the heading (mm): the blade of [`BODIES`] from the effector of [`SOURCE`].
+const BLADE_POSITION: [f64; 3] = [-40.0, 0.0, -1.6];
 
 /// Adds an arm with one effector and bodies, mounted above the other arms.
 pub(super) fn add(
@@ -59,13 +64,8 @@ pub(super) fn add(
     };
     let mut names = Names::of(document);
     let new = names.take("arm-1");
-    let source = catalogue::find(SOURCE).and_then(|entry| entry.text.parse::<DocumentMut>().ok());
-    let source = source.expect("the files of the catalogue are valid, as a test checks");
-    let table_list = |key: &str| -> Vec<Table> {
-        let list = source.get(key).and_then(Item::as_array_of_tables);
-        list.into_iter().flat_map(|list| list.iter().cloned()).collect()
-    };
-    let mut axes = table_list("axis");
+    let source = source();
+    let mut axes = tables(&source, "axis");
     let mut renamed = BTreeMap::new();
     for axis in &mut axes {
         let old = name(axis).unwrap_or_default().to_owned();
@@ -74,7 +74,7 @@ pub(super) fn add(
         axis.decor_mut().set_prefix("\n");
         renamed.insert(old, new);
     }
-    let mut arm = table_list("arm").into_iter().next().expect("this robot has an arm");
+    let mut arm = source_arm(&source);
     rename_arm(&mut arm, &new, &renamed, &mut names);
     arm.decor_mut().set_prefix(
         "\n# Lengths, droop, axis limits and bodies are assumed: change them to those of the real arm.\n",
@@ -91,21 +91,8 @@ pub(super) fn add(
     let mut bodies = Vec::new();
     for (suffix, link, position, size) in BODIES {
         let body = names.take(&format!("{new}-{suffix}"));
-        let on = [("arm", Value::from(&new)), ("link", Value::from(link))];
-        let size = Value::Array(size.into_iter().collect());
-        let position = Value::Array(position.into_iter().collect::<Array>());
-        let values = [
-            ("name", Value::from(&body)),
-            ("on", inline(on)),
-            ("position_mm", position),
-            ("box", inline([("size_mm", size)])),
-        ];
-        let mut table = Table::new();
-        table.decor_mut().set_prefix("\n");
-        for (key, value) in values {
-            table.insert(key, Item::Value(value));
-        }
-        lists::append(document.as_table_mut(), "body", table)?;
+        let on = inline([("arm", Value::from(&new)), ("link", Value::from(link))]);
+        lists::append(document.as_table_mut(), "body", a_box(&body, on, position, size))?;
         bodies.push(body);
     }
     let pairs: Vec<[String; 2]> =
@@ -173,6 +160,111 @@ pub(super) fn remove(document: &mut DocumentMut, arm: &str) -> Result<String, Fa
     comments.into_iter().for_each(|one| lists::place_comments(document, one));
     contacts::remove(document, &bodies);
     Ok(document.to_string())
+}
+
+/// Adds an effector with a blade to an arm, one pitch above its highest one.
+pub(super) fn add_effector(
+    document: &mut DocumentMut,
+    arm: &str,
+    text: &str,
+    files: &mut Files,
+) -> Result<EntryAdded, Fault> {
+    let robot = embedded(document)?;
+    let found = Found::new(robot, arm)?;
+    let others = tables_of(tables_of(robot, "arm")[found.index], "effector");
+    if let Some(why) = no_more_effectors(others.len()) {
+        return Err(Fault::Unfit(why));
+    }
+    let highest = highest_effector(text, files, found.index).and_then(|index| others.get(index));
+    let mut effector = source_effector();
+    let mut base = name(&effector).unwrap_or_default().to_owned();
+    if let Some(below) = highest.or(others.last()) {
+        base = name(*below).map_or(base, str::to_owned);
+        place_as(&mut effector, *below);
+        if let Some(height) = height(&mut effector, "wafer_center_mm") {
+            raise(height, EFFECTOR_PITCH_MM);
+        }
+    }
+    let mut names = Names::of(document);
+    let new = names.take(&base);
+    rename(&mut effector, &new);
+    effector.decor_mut().set_prefix(
+        "\n# Position, support, friction and blade are assumed: change them to those of the real effector.\n",
+    );
+    let mut appended = Ok(());
+    change_arm(embedded(document)?, found.index, |arm| {
+        appended = lists::append(arm, "effector", effector);
+    });
+    appended?;
+    let body = names.take(&format!("{new}-blade"));
+    let [.., (_, _, _, size)] = BODIES;
+    let on = inline([("effector", Value::from(&new))]);
+    lists::append(document.as_table_mut(), "body", a_box(&body, on, BLADE_POSITION, size))?;
+    Ok(EntryAdded { text: document.to_string(), name: new })
+}
+
+/// Index of the highest effector of an arm; `None` if the robot has errors.
+fn highest_effector(text: &str, files: &mut Files, arm: usize) -> Option<usize> {
+    let robot = robot_of(text, files)?;
+    let effectors = robot.arms.get(arm)?.effectors.iter().enumerate();
+    let height = |effector: &Effector| effector.wafer_center[2];
+    effectors.max_by(|(_, a), (_, b)| height(a).total_cmp(&height(b))).map(|(index, _)| index)
+}
+
+/// Gives an effector the wafer centre and the heading of another one, without their comments.
+fn place_as(effector: &mut Table, other: &dyn TableLike) {
+    let plain = |value: &Value| {
+        let mut value = value.clone();
+        value.decor_mut().clear();
+        value
+    };
+    if let (Some(center), Some(own)) = (
+        other.get("wafer_center_mm").and_then(Item::as_array),
+        effector.get_mut("wafer_center_mm").and_then(Item::as_value_mut),
+    ) {
+        replace(own, Value::Array(center.iter().map(plain).collect()));
+    }
+    if let Some(heading) = other.get("heading_deg").and_then(Item::as_value) {
+        effector.insert("heading_deg", Item::Value(plain(heading)));
+    }
+}
+
+/// The robot of the catalogue whose arm a new arm is.
+fn source() -> DocumentMut {
+    let source = catalogue::find(SOURCE).and_then(|entry| entry.text.parse::<DocumentMut>().ok());
+    source.expect("the files of the catalogue are valid, as a test checks")
+}
+
+/// The arm of [`source`].
+fn source_arm(source: &DocumentMut) -> Table {
+    tables(source, "arm").into_iter().next().expect("this robot has an arm")
+}
+
+/// The effector of [`source`].
+fn source_effector() -> Table {
+    tables(&source_arm(&source()), "effector").into_iter().next().expect("this arm has an effector")
+}
+
+/// The tables of a list.
+fn tables(parent: &Table, key: &str) -> Vec<Table> {
+    let list = parent.get(key).and_then(Item::as_array_of_tables);
+    list.into_iter().flat_map(|list| list.iter().cloned()).collect()
+}
+
+/// A body that is a box, with its centre and size in its parent frame (mm).
+fn a_box(name: &str, on: Value, position: [f64; 3], size: [f64; 3]) -> Table {
+    let values = [
+        ("name", Value::from(name)),
+        ("on", on),
+        ("position_mm", Value::Array(position.into_iter().collect())),
+        ("box", inline([("size_mm", Value::Array(size.into_iter().collect()))])),
+    ];
+    let mut table = Table::new();
+    table.decor_mut().set_prefix("\n");
+    for (key, value) in values {
+        table.insert(key, Item::Value(value));
+    }
+    table
 }
 
 /// Duplicates an effector with the bodies attached to it, one pitch above the original.

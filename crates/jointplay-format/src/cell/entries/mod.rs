@@ -48,7 +48,7 @@ pub enum EntryList {
 }
 
 /// A new entry of a cell file, with assumed dimensions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum NewEntry {
     /// A station with one slot.
     Station {
@@ -64,6 +64,11 @@ pub enum NewEntry {
     },
     /// An arm like that of the robot `radial-arm` of the catalogue, with axes, one effector and bodies of its own, mounted above the other arms.
     Arm,
+    /// An effector like that of the robot `radial-arm` of the catalogue with a blade, 10 mm above the highest one of its arm, with the heading of that one.
+    Effector {
+        /// Name of the arm.
+        arm: String,
+    },
 }
 
 /// Least distance of a new station from the robot's axis, on which it would have no direction of approach (m).
@@ -80,13 +85,13 @@ fn off_the_axis(position: &Vector3<f64>, heading: f64) -> Vector3<f64> {
 
 /// Adds an entry after the last one of its list.
 ///
-/// A robot of the catalogue is copied into the cell file before it gets an arm.
+/// A robot of the catalogue is copied into the cell file before it gets an arm or an effector.
 ///
 /// # Arguments
-/// * `files` – as for [`read`](super::read); for an arm, which is mounted above all bodies of the others
+/// * `files` – as for [`read`](super::read); for an arm, which is mounted above all bodies of the others, and for an effector, which is above the others of its arm
 ///
 /// # Errors
-/// The text is not TOML, or the list is a value of another type; for an arm, the robot is in another file, or has two arms.
+/// The text is not TOML, or the list is a value of another type; for an arm, the robot is in another file, or has two arms; for an effector, the robot is in another file or has no arm of this name, or the arm has four effectors.
 pub fn add_entry(text: &str, entry: &NewEntry, files: &mut Files) -> Result<EntryAdded, Problem> {
     let mut document = document(text)?;
     let at_start = |fault| Error::at(text, 0..0, fault);
@@ -110,6 +115,9 @@ pub fn add_entry(text: &str, entry: &NewEntry, files: &mut Files) -> Result<Entr
             ("body", "body-1", values)
         }
         NewEntry::Arm => return arms::add(&mut document, text, files).map_err(at_start),
+        NewEntry::Effector { arm } => {
+            return arms::add_effector(&mut document, arm, text, files).map_err(at_start);
+        }
     };
     let name = Names::of(&document).take(base);
     let mut table = Table::new();

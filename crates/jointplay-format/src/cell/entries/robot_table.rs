@@ -18,7 +18,7 @@ pub struct ArmEdits {
     pub add_arm: Option<String>,
     /// An arm, removed.
     pub remove_arm: Option<String>,
-    /// An effector, duplicated, for each arm.
+    /// An effector, added or duplicated, for each arm.
     pub add_effector: Vec<Option<String>>,
     /// An effector, removed, for each arm.
     pub remove_effector: Vec<Option<String>>,
@@ -63,7 +63,7 @@ pub(super) fn no_more_effectors(effectors: usize) -> Option<String> {
 
 /// Reason why an arm with this number of effectors loses none.
 pub(super) fn last_effector(effectors: usize) -> Option<String> {
-    (effectors <= 1).then(|| "an arm needs at least one effector: duplicate it first".to_owned())
+    (effectors <= 1).then(|| "an arm needs at least one effector: add another one first".to_owned())
 }
 
 /// Reason why the robot cannot be changed in this text: it is in another file.

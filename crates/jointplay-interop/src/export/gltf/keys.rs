@@ -22,8 +22,14 @@ pub(super) struct Samples<'a, const N: usize> {
 /// The samples of a quantity that a viewer interpolates by cubics, so that every other sample is within a tolerance.
 ///
 /// The tolerance limits the norm of the difference, with the rounding of the keys to single precision included where a sample is omitted.
+/// A quantity at rest has one key.
 pub(super) fn cubic<const N: usize>(samples: &Samples<'_, N>, tolerance: f64) -> Vec<Key<N>> {
-    let all = distinct(samples.times);
+    let mut all = distinct(samples.times);
+    let rests = samples.values.windows(2).all(|pair| pair[0] == pair[1])
+        && samples.rates.iter().flatten().all(|&rate| rate == 0.0);
+    if rests {
+        all.truncate(1);
+    }
     let key = |k: usize| {
         let at = all[k];
         let (value, rate) = (&samples.values[at], &samples.rates[at]);
@@ -154,10 +160,12 @@ mod tests {
         let rates: Vec<[f64; 1]> = times.iter().map(|t| [3.0 * t * t]).collect();
         let samples = Samples { times: &times, values: &values, rates: &rates };
         assert_eq!(cubic(&samples, 1e-6).len(), 2);
+        let (still, zero) = (vec![[2.5]; times.len()], vec![[0.0]; times.len()]);
+        let at_rest = Samples { times: &times, values: &still, rates: &zero };
+        assert_eq!(cubic(&at_rest, 1e-6).len(), 1);
         let jump: Vec<[f64; 1]> =
             times.iter().map(|&t| [if t < 0.505 { 0.0 } else { 1.0 }]).collect();
-        let still = vec![[0.0]; times.len()];
-        let keys = cubic(&Samples { times: &times, values: &jump, rates: &still }, 1e-6);
+        let keys = cubic(&Samples { times: &times, values: &jump, rates: &zero }, 1e-6);
         let at: Vec<f32> = keys.iter().map(|key| key.time).collect();
         assert_eq!(at, [0.0, 0.5, 0.51, 1.0]);
     }

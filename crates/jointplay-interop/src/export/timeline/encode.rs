@@ -109,7 +109,7 @@ impl Timeline {
         });
         let violations = self.violations(motion, violations, window).map(|one| {
             json!({
-                "names": one.names,
+                "entities": one.entities,
                 "message": one.message,
                 "phase": one.phase,
                 "line": one.line as i64 - window.line as i64,
