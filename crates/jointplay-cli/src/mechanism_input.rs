@@ -272,14 +272,6 @@ impl Input {
         Ok(self.coordinates.checked(k, si)?)
     }
 
-    /// The closed configuration nearest to the guess, with commanded coordinates held.
-    pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
-        let closed = close_commanded(&self.file.mechanism, commands, self.tolerance)
-            .map_err(|error| self.unassembled(error))?;
-        self.note_search(commands, &closed);
-        Ok(closed)
-    }
-
     /// The configuration that displacements of virtual joints are counted from.
     pub(crate) fn at_rest(&self) -> Result<Closure, Failure> {
         let closed = close_at_rest(&self.file.mechanism, self.tolerance)

@@ -23,12 +23,11 @@ impl DriveProblem<'_> {
         found: &mut Vec<SingularConfiguration>,
     ) -> Result<(), Error> {
         match trail {
-            [start, next] => {
+            [start, next]
                 if next.least_singular_value > start.least_singular_value
-                    && self.falls_toward(start, next, regular_rank)?
-                {
-                    self.search_dip(start, next, start, regular_rank, found)?;
-                }
+                    && self.falls_toward(start, next, regular_rank)? =>
+            {
+                self.search_dip(start, next, start, regular_rank, found)?;
             }
             [.., before, middle, last] => {
                 let values = [before, middle, last].map(|point| point.least_singular_value);
