@@ -7,7 +7,7 @@ use jointplay_cell::robot::{EffectorId, RODS};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{IncrementalPlanner, PlanOptions};
-use jointplay_format::{cell, program};
+use jointplay_format::program;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
