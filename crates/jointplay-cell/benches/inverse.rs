@@ -4,7 +4,6 @@
 //! The least time of each quarter of the targets counts, over the passes of a sample: other work on the machine only adds to it.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
 
-#[expect(dead_code, reason = "the laws use all of it")]
 #[path = "../tests/common/mod.rs"]
 mod common;
 

@@ -3,7 +3,6 @@
 //! A radial arm picks each wafer of one port and places it into another; both ports have walls.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
 
-#[expect(dead_code, reason = "one kind of robot is enough here")]
 #[path = "../tests/common/mod.rs"]
 mod common;
 

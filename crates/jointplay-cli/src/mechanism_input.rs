@@ -13,8 +13,8 @@ use jointplay::format::{robot, three_rods};
 use jointplay::interop::import;
 use jointplay::mechanism::{
     ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
-    close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess,
-    is_same_configuration, pose_commanded, relieve_commanded,
+    close_at_rest, close_nearly, close_sparse, commanded_guess, is_same_configuration,
+    pose_commanded, relieve_commanded,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
