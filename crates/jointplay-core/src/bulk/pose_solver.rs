@@ -66,7 +66,7 @@ impl PoseSolver {
         Ok(solver)
     }
 
-    /// Whether the virtual joints are least displacements that polynomials can stand for.
+    /// Whether the virtual joints are least displacements that polynomials can replace.
     fn has_polynomials<M: Model>(&self) -> bool {
         M::SETTLES && self.task::<M>().solver == Solver::LeastNorm
     }

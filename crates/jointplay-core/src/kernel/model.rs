@@ -14,7 +14,7 @@ pub(crate) trait Model: Copy {
     const TOWARD_SOCKET: bool;
     /// Whether a closed form may exist: for radial coordinates where the sockets are 120° apart.
     const CLOSED_FORM: bool = !Self::TOWARD_SOCKET || !Self::ACROSS;
-    /// Whether the least displacement is found to round-off, so that polynomials can stand for it.
+    /// Whether the least displacement is found to round-off, so that polynomials can replace the iteration.
     const SETTLES: bool = !(Self::TURNS && Self::FROM_SOCKET);
     /// Whether coordinates are polar: angles turn the sockets about O_p.
     const AROUND_CENTER: bool = Self::TURNS && !Self::FROM_SOCKET;
