@@ -9,17 +9,8 @@ use jointplay::mechanism::{
 };
 use jointplay::nalgebra::DVector;
 use jointplay::study::parallel;
-
-/// Numbers in −1…1 that look random.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
+use proptest::prelude::RngExt;
+use proptest::test_runner::{RngAlgorithm, TestRng};
 
 /// A mechanism of the catalogue, closed, and the coordinates of its motors.
 fn closed(name: &str) -> (Mechanism, DVector<f64>, Vec<usize>) {
@@ -31,12 +22,12 @@ fn closed(name: &str) -> (Mechanism, DVector<f64>, Vec<usize>) {
 
 /// Rows with the commanded coordinates at random values around home: near ones, some far beyond what the mechanism reaches, and one that is no number.
 fn rows(home: &DVector<f64>, driven: &[usize], reach: f64, count: usize) -> Vec<f64> {
-    let mut random = Random(5);
+    let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &[5; 32]);
     let mut rows = Vec::with_capacity(count * home.len());
     for row in 0..count {
         let mut here = home.clone();
         let reach = if row % 37 == 36 { 400.0 * reach } else { reach };
-        driven.iter().for_each(|&k| here[k] += reach * random.next());
+        driven.iter().for_each(|&k| here[k] += reach * random.random_range(-1.0..1.0));
         if row == 5 {
             here[driven[0]] = f64::NAN;
         }

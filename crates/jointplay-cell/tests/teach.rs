@@ -6,6 +6,8 @@ use jointplay_cell::station::teach::{
 };
 use jointplay_core::spatial::{Pose, Tilt, heading, rotation_vector};
 use nalgebra::{Point3, Vector2, Vector3, Vector6};
+use proptest::prelude::RngExt;
+use proptest::test_runner::{RngAlgorithm, TestRng};
 
 fn plane(tilt: Tilt, places: &[(f64, f64)]) -> Vec<Vector3<f64>> {
     let frame = frame(Vector3::new(0.7, -0.2, 0.9), &tilt.normal(), 0.4);
@@ -16,13 +18,9 @@ fn plane(tilt: Tilt, places: &[(f64, f64)]) -> Vec<Vector3<f64>> {
 
 /// Normally distributed numbers of mean 0 and deviation 1, the same in each run.
 fn normals() -> impl FnMut() -> f64 {
-    let mut state = 7_u64;
-    let mut uniform = move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
-    };
-    move || (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos()
+    let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
+    let mut uniform = move || generator.random::<f64>();
+    move || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos()
 }
 
 #[test]

@@ -8,6 +8,8 @@ use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::ParentFrame;
 use jointplay_format::{cell, program};
 use nalgebra::{Point3, Vector3};
+use proptest::prelude::RngExt;
+use proptest::test_runner::{RngAlgorithm, TestRng};
 
 /// Distance of a point from the surface of a shape in its own frame, positive outside (m).
 fn off_the_surface(shape: &Shape, point: &Point3<f64>) -> Option<f64> {
@@ -35,16 +37,12 @@ fn they_are_on_both_surfaces_at_the_reported_distance() {
     let trajectory = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     let context = PoseContext { trajectory: &trajectory, time: 0.0, slot_access: None };
     let options = CheckOptions { report_distance: 0.4, ..CheckOptions::default() };
-    let mut state = 11_u64;
-    let mut random = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &[11; 32]);
     let (mut pairs, mut surfaces, mut contacts) = (0, 0, 0);
     for _ in 0..40 {
         let mut positions: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
         for (position, axis) in positions.iter_mut().zip(&cell.robot.axes).skip(3) {
-            *position = axis.min + random() * (axis.max - axis.min);
+            *position = random.random_range(axis.min..axis.max);
         }
         let report = check_pose(&cell, &context, &positions, &options).unwrap();
         let found = nearest_points(&cell, &context, &positions, &report.distances).unwrap();

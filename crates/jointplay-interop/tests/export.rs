@@ -21,6 +21,8 @@ use jointplay_interop::export::{
 };
 use jointplay_report::table::Values;
 use nalgebra::SVector;
+use proptest::prelude::RngExt;
+use proptest::test_runner::{RngAlgorithm, TestRng};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -909,12 +911,12 @@ fn the_check_and_the_3d_scene_have_the_same_poses() {
         .filter_map(|(step, &time)| step.handoff.map(|_| time))
         .collect();
     let options = CheckOptions { report_distance: 10.0, ..CheckOptions::default() };
-    let (mut state, mut compared, mut lowest) = (7_u64, 0, 0.0_f64);
+    let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
+    let (mut compared, mut lowest) = (0, 0.0_f64);
     while compared < 24 {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         let keys = (motion.duration() * rate) as u64;
         // At a key, so that nothing is interpolated.
-        let time = (state >> 33) as f64 % keys as f64 / rate;
+        let time = random.random_range(0..keys) as f64 / rate;
         if handed.iter().any(|at| (at - time).abs() < 2.0 / rate) {
             continue;
         }

@@ -298,16 +298,16 @@ fn bound_between(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::RngExt;
+    use proptest::test_runner::{RngAlgorithm, TestRng};
+
     use super::*;
 
     #[test]
     fn motion_bound_is_additive_over_halves() {
         // Pieces of constant jerk from any speed and acceleration, with and without reversal.
-        let mut state = 3_u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[3; 32]);
+        let mut random = || generator.random_range(-1.0..1.0_f64);
         for round in 0..2000 {
             let (dt, jerk) = (0.01, 100.0 * random());
             // From rest at constant acceleration, the second half is three times the first.

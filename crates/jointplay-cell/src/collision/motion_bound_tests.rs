@@ -8,6 +8,8 @@ use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::{BuiltIn, SolveOptions, Solver};
 use nalgebra::{Point3, Rotation3, Vector3};
+use proptest::prelude::RngExt;
+use proptest::test_runner::{RngAlgorithm, TestRng};
 
 use super::link_poses::LinkPoses;
 use super::motion_bound::{DisplacementBound, MotionBoundModel};
@@ -27,37 +29,23 @@ use crate::workcell::{Body, Cell, ParentFrame};
 /// Parts of an interval of which the path of a point is added up.
 const PARTS: u32 = 6;
 
-/// Numbers from 0 to 1.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(0x1405_7b7e_f767_814f);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn within(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.next()
-    }
-
-    fn vector(&mut self, size: f64) -> Vector3<f64> {
-        Vector3::from_fn(|_, _| self.within(-size, size))
-    }
+fn vector(random: &mut TestRng, size: f64) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| random.random_range(-size..size))
 }
 
-fn droop(random: &mut Random, which: usize) -> Droop {
-    let row = |k: u32, random: &mut Random| DroopRow {
+fn droop(random: &mut TestRng, which: usize) -> Droop {
+    let row = |k: u32, random: &mut TestRng| DroopRow {
         reach: 0.15 * f64::from(k),
-        empty_drop: random.within(-0.002, 0.004),
-        empty_slope: random.within(-0.004, 0.008),
-        loaded_drop: random.within(-0.002, 0.006),
-        loaded_slope: random.within(-0.004, 0.01),
+        empty_drop: random.random_range(-0.002..0.004),
+        empty_slope: random.random_range(-0.004..0.008),
+        loaded_drop: random.random_range(-0.002..0.006),
+        loaded_slope: random.random_range(-0.004..0.01),
         load: 1.0,
     };
     match which % 3 {
         0 => Droop::Cantilever {
-            stiffness: random.within(150.0, 1500.0),
-            mass_per_length: random.within(0.5, 3.0),
+            stiffness: random.random_range(150.0..1500.0),
+            mass_per_length: random.random_range(0.5..3.0),
         },
         1 => Droop::Table { rows: (0..14).map(|k| row(k, random)).collect() },
         _ => Droop::Rigid,
@@ -65,21 +53,21 @@ fn droop(random: &mut Random, which: usize) -> Droop {
 }
 
 /// A robot of any kind and model, with a body on every link, and how far it may tilt.
-fn cell(random: &mut Random, round: usize) -> (Cell, f64) {
-    let lengths = [0.0; 3].map(|_| random.within(0.15, 0.3));
+fn cell(random: &mut TestRng, round: usize) -> (Cell, f64) {
+    let lengths = [0.0; 3].map(|_| random.random_range(0.15..0.3));
     let mut robot = kind(round % KINDS, lengths);
     let models = [BuiltIn::Planar, BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Offset];
     let solver = [Solver::ClosedForm, Solver::Newton][round / 4 % 2];
     let options = SolveOptions { solver, ..SolveOptions::default() };
     let model = PlatformModel { virtualization: models[round % 4], options };
     let steep = if model.virtualization == BuiltIn::Planar { 0.9 } else { 0.15 };
-    let tilt_max = random.within(0.01, steep);
+    let tilt_max = random.random_range(0.01..steep);
     // Base points and sockets deviate at random from regular triangles.
     let mut limbs = robot.gpr.limbs();
     for limb in &mut limbs {
-        limb.base_point.x += random.within(-0.003, 0.003);
-        limb.base_point.y += random.within(-0.003, 0.003);
-        limb.socket_radius += random.within(-0.001, 0.001);
+        limb.base_point.x += random.random_range(-0.003..0.003);
+        limb.base_point.y += random.random_range(-0.003..0.003);
+        limb.socket_radius += random.random_range(-0.001..0.001);
     }
     let limits = Limits { tilt_max, ..*robot.gpr.limits() };
     robot.gpr = Gpr::new(limbs, limits, robot.gpr.working_height()).unwrap();
@@ -96,29 +84,30 @@ fn cell(random: &mut Random, round: usize) -> (Cell, f64) {
     });
     let parents: Vec<ParentFrame> = parents.chain([ParentFrame::Platform]).collect();
     for (k, parent) in parents.into_iter().enumerate() {
-        let turn = Rotation3::new(random.vector(2.0));
+        let turn = Rotation3::new(vector(random, 2.0));
         cell.bodies.push(Body {
             name: format!("body {k}"),
             parent,
-            parent_from_shape: Pose::from_parts(random.vector(0.25).into(), turn),
-            shape: Shape::Box { half: [0.0; 3].map(|_| random.within(0.01, 0.1)) },
+            parent_from_shape: Pose::from_parts(vector(random, 0.25).into(), turn),
+            shape: Shape::Box { half: [0.0; 3].map(|_| random.random_range(0.01..0.1)) },
             station: None,
         });
     }
     (cell, tilt_max)
 }
 
-fn positions(random: &mut Random, cell: &Cell, tilt_max: f64) -> Vec<f64> {
+fn positions(random: &mut TestRng, cell: &Cell, tilt_max: f64) -> Vec<f64> {
     let axes = &cell.robot.axes;
     let mut all: Vec<f64> =
-        axes.iter().map(|axis| random.within(0.9 * axis.min, 0.9 * axis.max)).collect();
-    let tilt = Tilt { azimuth: random.within(-3.0, 3.0), angle: random.within(0.0, tilt_max) };
-    let height = AxisHeight(random.within(0.45, 0.55));
+        axes.iter().map(|axis| random.random_range(0.9 * axis.min..0.9 * axis.max)).collect();
+    let tilt =
+        Tilt { azimuth: random.random_range(-3.0..3.0), angle: random.random_range(0.0..tilt_max) };
+    let height = AxisHeight(random.random_range(0.45..0.55));
     all[..RODS].copy_from_slice(&cell.robot.gpr.inverse(tilt, height).unwrap());
     all
 }
 
-fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Trajectory {
+fn motion(random: &mut TestRng, cell: &Cell, tilt_max: f64, round: usize) -> Trajectory {
     let from = positions(random, cell, tilt_max);
     let mut to = positions(random, cell, tilt_max);
     // Rods, motors, or all; a little or far.
@@ -151,7 +140,7 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Traj
 
 #[test]
 fn no_point_travels_farther_than_its_bound() {
-    let mut random = Random(11);
+    let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &[11; 32]);
     let mut tightest = 0.0_f64;
     let (mut intervals, mut steepest) = (0, 0.0_f64);
     for round in 0..240 {
@@ -179,11 +168,11 @@ fn no_point_travels_farther_than_its_bound() {
                     Some(body) => {
                         let Shape::Box { half } = body.shape else { unreachable!() };
                         let corner =
-                            half.map(|half| if random.next() < 0.5 { half } else { -half });
+                            half.map(|half| if random.random::<bool>() { half } else { -half });
                         (body.parent_from_shape * Point3::from(corner)).coords
                     }
                     None => {
-                        let angle = random.within(0.0, 6.3);
+                        let angle = random.random_range(0.0..6.3_f64);
                         Vector3::new(0.15 * angle.cos(), 0.15 * angle.sin(), 0.0)
                     }
                 };
@@ -191,8 +180,8 @@ fn no_point_travels_farther_than_its_bound() {
             })
             .collect();
         for _ in 0..6 {
-            let from = (random.next() * (count - 1) as f64) as usize % (count - 1);
-            let to = (from + 1 + (random.next() * 5.0) as usize).min(count - 1);
+            let from = random.random_range(0..count - 1);
+            let to = (from + random.random_range(1..6)).min(count - 1);
             let [start, end] = [from, to].map(|sample| sampled.times()[sample]);
             let states = (0..=PARTS * (to - from) as u32).map(|part| {
                 let fraction = f64::from(part) / f64::from(PARTS * (to - from) as u32);
@@ -265,7 +254,7 @@ fn no_point_travels_farther_than_its_bound() {
 
 #[test]
 fn an_arm_over_its_own_joint_deflects_without_a_jump() {
-    let mut random = Random(5);
+    let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &[5; 32]);
     let (mut cell, _) = cell(&mut random, 0);
     cell.robot = kind(3, [0.2; 3]);
     cell.robot.arms[0].droop = droop(&mut random, 1);

@@ -196,6 +196,8 @@ pub(crate) fn signed_distance(placed: PlacedCollider<'_>, point: &Vector3<f64>) 
 mod tests {
     use jointplay_core::spatial::Pose;
     use nalgebra::{Rotation3, Translation3};
+    use proptest::prelude::RngExt;
+    use proptest::test_runner::{RngAlgorithm, TestRng};
 
     use super::super::collider::{Collider, posed, vector};
     use super::super::shape::Shape;
@@ -274,11 +276,8 @@ mod tests {
 
     #[test]
     fn boxes_that_lie_parallel_crosswise_or_anyhow() {
-        let mut state = 3_u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[3; 32]);
+        let mut random = || generator.random_range(-1.0..1.0_f64);
         let mut crosswise = 0;
         for round in 0..20_000 {
             let halves = [0, 1].map(|_| [0, 1, 2].map(|_| 0.005 + 0.15 * random().powi(2)));
@@ -340,11 +339,8 @@ mod tests {
 
     #[test]
     fn boxes_and_cylinders_lying_anyhow() {
-        let mut state = 5_u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[5; 32]);
+        let mut random = || generator.random_range(-1.0..1.0_f64);
         let mut seen = 0;
         for round in 0..20_000 {
             let half = [0, 1, 2].map(|_| 0.005 + 0.06 * random().abs());

@@ -220,6 +220,9 @@ impl NoProfile {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::RngExt;
+    use proptest::test_runner::{RngAlgorithm, TestRng};
+
     use super::*;
 
     #[test]
@@ -230,15 +233,16 @@ mod tests {
         let limits = KinematicLimits { velocity: 0.3, acceleration: 1.5, jerk: 15.0 };
         let found = synchronized_profile(&from, &to, |_| limits).unwrap();
         assert!((found.duration - 0.4).abs() < 1e-9, "{}", found.duration);
-        for k in 0..4000_u32 {
-            let random = |by: u32| f64::from(k.wrapping_mul(by) % 997) / 997.0;
+        let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[1; 32]);
+        let mut random = || generator.random::<f64>();
+        for k in 0..4000 {
             let limits = KinematicLimits {
                 velocity: 100.0,
-                acceleration: 0.5 + 5.0 * random(31),
-                jerk: 10.0 + 100.0 * random(57),
+                acceleration: 0.5 + 5.0 * random(),
+                jerk: 10.0 + 100.0 * random(),
             };
             let displacement = 2.0 * limits.acceleration.powi(3) / limits.jerk.powi(2);
-            let from = random(71);
+            let from = random();
             let found = synchronized_profile(&[from], &[from + displacement], |_| limits).unwrap();
             let expected = 4.0 * limits.acceleration / limits.jerk;
             assert!((found.duration / expected - 1.0).abs() < 1e-9, "{k}: {}", found.duration);
@@ -282,11 +286,12 @@ mod tests {
     fn very_short_moves_keep_their_limits() {
         // Rods that level the platform by a tenth of a micrometre, and others of any length.
         let limits = KinematicLimits { velocity: 0.2, acceleration: 0.8, jerk: 8.0 };
-        for k in 0..2000_u32 {
-            let random = |by: u32| f64::from(k.wrapping_mul(by) % 997) / 997.0;
-            let length = 10_f64.powf(-9.0 + 8.0 * random(31));
+        let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[2; 32]);
+        let mut random = || generator.random::<f64>();
+        for _ in 0..2000 {
+            let length = 10_f64.powf(-9.0 + 8.0 * random());
             let from = [0.5, 0.5, 0.5];
-            let to = [0.5 + length, 0.5 - length * random(57), 0.5 + length * random(71)];
+            let to = [0.5 + length, 0.5 - length * random(), 0.5 + length * random()];
             let found = synchronized_profile(&from, &to, |_| limits).unwrap();
             for profile in &found.axes {
                 for piece in profile.pieces() {

@@ -197,6 +197,8 @@ mod tests {
     use crate::wafer::Material;
     use jointplay_core::spatial::Pose;
     use nalgebra::{Rotation3, Translation3, Vector2};
+    use proptest::prelude::RngExt;
+    use proptest::test_runner::{RngAlgorithm, TestRng};
 
     const GRAVITY: f64 = 9.80665;
     const FRICTION: f64 = 0.4;
@@ -374,11 +376,8 @@ mod tests {
 
     #[test]
     fn friction_condition_is_sufficient_and_within_a_factor_of_two() {
-        let mut state = 7_u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut generator = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
+        let mut random = || generator.random::<f64>();
         for round in 0..240 {
             let support = &SUPPORTS[round % 3];
             let lever = LEVER_ARMS[round % 3];

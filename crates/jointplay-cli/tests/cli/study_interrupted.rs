@@ -69,14 +69,10 @@ fn finish(sandbox: &Sandbox, table: &str, expected: &(Vec<u8>, String)) {
     assert!(left.is_empty(), "{left:?}");
 }
 
-/// Moments to kill at that differ from run to run.
-fn moments() -> impl Iterator<Item = Duration> {
-    let seed = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
-    let mut state = seed.subsec_nanos() | 1;
-    std::iter::repeat_with(move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        Duration::from_millis(u64::from(state >> 22) % 200)
-    })
+/// A wait below 200 ms that differs from call to call, by the fraction of the present second.
+fn moment() -> Duration {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
+    Duration::from_millis(u64::from(now.subsec_micros()) % 200)
 }
 
 fn killed_and_taken_up(table: &str) {
@@ -84,7 +80,7 @@ fn killed_and_taken_up(table: &str) {
     let expected = undisturbed(&sandbox, table);
     let mut kills = 0;
     // From the start, before the first marker, and then from the last one.
-    for (run, moment) in (0..5).zip(moments()) {
+    for run in 0..5 {
         let resume = if sandbox.file(&format!("{table}.part.json")).exists() {
             "--resume"
         } else {
@@ -94,7 +90,7 @@ fn killed_and_taken_up(table: &str) {
         if run > 0 {
             await_more(&sandbox, table, marked(&sandbox, table), &mut child);
         }
-        std::thread::sleep(moment);
+        std::thread::sleep(moment());
         let ended = child.try_wait().unwrap().is_some();
         if !ended {
             send("-KILL", &child);

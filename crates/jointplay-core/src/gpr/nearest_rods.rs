@@ -150,6 +150,7 @@ fn nearest_with(
 mod tests {
     use super::*;
     use crate::gpr::{AxisHeight, BrokenLimit, Limb, Limits};
+    use crate::random::Random;
     use crate::spatial::Tilt;
 
     /// Robots of other shapes: equilateral, right-angled with rods away from their sockets, narrow.
@@ -173,17 +174,6 @@ mod tests {
         ]
     }
 
-    /// Numbers from -1 to 1 that are the same in each run.
-    fn numbers(count: usize) -> impl Iterator<Item = f64> {
-        let mut state = 7_u64;
-        (0..count).map(move |_| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            f64::from(u32::try_from(state >> 32).unwrap()) / f64::from(u32::MAX) * 2.0 - 1.0
-        })
-    }
-
     /// No rods within the limits are nearer: the angle between the displacement back and that to any of them is obtuse.
     #[test]
     fn the_nearest_rods_satisfy_the_variational_inequality() {
@@ -192,8 +182,8 @@ mod tests {
             let broken = |rods: &[f64; 3]| gpr.limits().broken(rods, gpr.plane_tilt(rods));
             let middle = 0.5 * (limits.rod_min + limits.rod_max);
             let reach = 0.7 * (limits.rod_max - limits.rod_min);
-            let mut random = numbers(200_000);
-            let mut point = |scale: f64| [(); 3].map(|()| middle + scale * random.next().unwrap());
+            let mut random = Random(7);
+            let mut point = |scale: f64| [(); 3].map(|()| middle + scale * random.next());
             let inside: Vec<[f64; 3]> = (0..4000)
                 .map(|k| {
                     // Close to level, else hardly any are within the tilt limit.
