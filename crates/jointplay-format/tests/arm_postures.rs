@@ -1,77 +1,22 @@
 //! Postures of redundant arms between the stations of a program.
 
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 use jointplay_cell::program::{Phase, Step, expand};
 use jointplay_cell::robot::{EffectorId, RODS};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{IncrementalPlanner, PlanOptions};
-use jointplay_format::{cell, program};
+use jointplay_format::program;
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngSeed, TestRunner};
+
+use crate::small_cell::{StationPlace, small_cell};
 
 const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 
 /// Largest radius beyond that of both ends of a move; see the page on arms (m).
 const ALLOWANCE: f64 = 0.025;
-
-/// A station of a test.
-#[derive(Debug, Clone)]
-struct At {
-    azimuth_deg: f64,
-    distance_mm: f64,
-    retract_mm: f64,
-    /// Direction of the line into the station from the radial one (°); `None` for the radial line of any heading.
-    oblique_deg: Option<f64>,
-}
-
-/// A cell with stations of which the first ones hold wafers.
-fn cell_of(robot: &str, stations: &[At], holding: usize) -> Cell {
-    let mut text = format!(
-        r#"
-kind = "cell"
-name = "stations of a test"
-robot = "{robot}"
-[wafer]
-diameter_mm = 300.0
-thickness_mm = 0.775
-material = "silicon"
-[budgets]
-virtual_joint_norm_um = 60.0
-min_distance_mm = 1.0
-slot_min_distance_mm = 1.0
-plane_urad = 20.0
-"#
-    );
-    for (index, at) in stations.iter().enumerate() {
-        let (sin, cos) = at.azimuth_deg.to_radians().sin_cos();
-        write!(
-            text,
-            r#"
-[[station]]
-name = "S{index}"
-slots = 25
-pitch_mm = 10.0
-position_mm = [{}, {}, 520.0]
-heading_deg = {}
-stroke = {{ below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }}
-retract_mm = {}
-approach = "{}"
-{}
-"#,
-            at.distance_mm * cos,
-            at.distance_mm * sin,
-            at.azimuth_deg - 90.0 + at.oblique_deg.unwrap_or(0.0),
-            at.retract_mm,
-            if at.oblique_deg.is_some() { "line" } else { "radial" },
-            if index < holding { "wafers = \"all\"" } else { "" },
-        )
-        .unwrap();
-    }
-    cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap()
-}
 
 /// Transfers of one wafer through all stations and back to the first.
 fn round(count: usize) -> String {
@@ -90,7 +35,7 @@ fn radius(cell: &Cell, positions: &[f64]) -> f64 {
 }
 
 /// Random cells of two to four stations.
-fn for_random_cells(cases: usize, oblique: bool, mut each: impl FnMut(&[At])) {
+fn for_random_cells(cases: usize, oblique: bool, mut each: impl FnMut(&[StationPlace])) {
     let mut runner = TestRunner::new(Config { rng_seed: RngSeed::Fixed(1), ..Config::default() });
     let obliquity = if oblique {
         (-25.0..25.0_f64).prop_map(Some).boxed()
@@ -98,7 +43,7 @@ fn for_random_cells(cases: usize, oblique: bool, mut each: impl FnMut(&[At])) {
         proptest::strategy::Just(None).boxed()
     };
     let station = (-180.0..180.0_f64, 450.0..720.0_f64, 5.0..300.0_f64, obliquity).prop_map(
-        |(azimuth_deg, distance_mm, retract_mm, oblique_deg)| At {
+        |(azimuth_deg, distance_mm, retract_mm, oblique_deg)| StationPlace {
             azimuth_deg,
             distance_mm,
             retract_mm,
@@ -119,7 +64,7 @@ fn wafers_between_stations_stay_within_the_larger_radius_of_both_ends() {
         for oblique in [false, true] {
             let (mut planned, mut moves, mut changes) = (0, 0, 0);
             for_random_cells(if oblique { 30 } else { 8 }, oblique, |stations| {
-                let cell = cell_of(robot, stations, 1);
+                let cell = small_cell(robot, stations, 1);
                 let Some(steps) = steps(&cell, &round(stations.len())) else { return };
                 planned += 1;
                 let trajectory =
@@ -155,8 +100,8 @@ fn wafers_between_stations_stay_within_the_larger_radius_of_both_ends() {
 }
 
 /// Positions of the arm in front of each station, by elbow side: where the line can be driven from that side, with the first joint in all revolutions within limits.
-fn starts_by_elbow(stations: &[At]) -> Vec<[Vec<Vec<f64>>; 2]> {
-    let cell = cell_of("scara-3r", stations, stations.len());
+fn starts_by_elbow(stations: &[StationPlace]) -> Vec<[Vec<Vec<f64>>; 2]> {
+    let cell = small_cell("scara-3r", stations, stations.len());
     let sided = [1.0, -1.0].map(|side| {
         let mut cell = cell.clone();
         // The robot, or its mirrored posture, at home, and no elbow beyond the stretched arm.
@@ -213,7 +158,7 @@ fn least_time<'s>(
 fn turns_take_little_longer_than_those_of_the_best_sequence_of_postures() {
     let (mut same_elbow, mut any_elbow) = (Vec::new(), Vec::new());
     for_random_cells(40, false, |stations| {
-        let cell = cell_of("scara-3r", stations, 1);
+        let cell = small_cell("scara-3r", stations, 1);
         let axes = &cell.robot.axes[RODS..];
         let time = |from: &[f64], to: &[f64]| {
             let each = axes.iter().zip(from.iter().zip(to));
@@ -243,7 +188,7 @@ fn turns_take_little_longer_than_those_of_the_best_sequence_of_postures() {
 #[test]
 fn incremental_plans_with_changes_of_posture_equal_new_plans() {
     // Two ports next to each other, entered straight on: each can be driven from one elbow side only.
-    let port = |azimuth_deg: f64, oblique_deg| At {
+    let port = |azimuth_deg: f64, oblique_deg| StationPlace {
         azimuth_deg,
         distance_mm: 643.0,
         retract_mm: 240.0,
@@ -253,7 +198,7 @@ fn incremental_plans_with_changes_of_posture_equal_new_plans() {
     let text = "REPEAT 3 AS n\nTRANSFER S0 SLOT n TO S1 SLOT n WITH A\nEND\n";
     let program = program::parse(text).unwrap();
     let plan = |planner: &mut IncrementalPlanner, azimuth_deg: f64| {
-        let cell = cell_of("scara-3r", &stations(azimuth_deg), 1);
+        let cell = small_cell("scara-3r", &stations(azimuth_deg), 1);
         planner.plan(&cell, &program, &PlanOptions::default()).unwrap().0
     };
     let mut planner = IncrementalPlanner::default();

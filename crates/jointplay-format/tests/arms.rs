@@ -12,7 +12,8 @@ use jointplay_format::program;
 use proptest::prelude::*;
 
 /// A cell with one arm in its own table, with comments everywhere, expressions, templates, and a frame on the arm.
-const OWN: &str = r#"# A cell of a stranger.
+const OWN: &str = concat!(
+    r#"# A cell of a stranger.
 kind = "cell"   # always
 name = "Own robot"
 assumed = ["everything"]
@@ -64,17 +65,9 @@ joint = [
 ]
 effector = [{ name = "E", wafer_center_mm = [300, 0, 10], support = { kind = "edge" }, friction = 0.4 }]
 
-[wafer]
-diameter_mm = 300.0
-thickness_mm = 0.775
-material = "silicon"
-
-[budgets]
-virtual_joint_norm_um = 60.0
-min_distance_mm = 1.0
-slot_min_distance_mm = 1.0
-plane_urad = 20.0
-
+"#,
+    include_str!("wafer_and_budgets.toml"),
+    r#"
 # Ports.
 [[station]]
 name = "P1"
@@ -123,7 +116,8 @@ name = "blade"
 part = "fork-blade"
 on = { effector = "E" }
 # The end.
-"#;
+"#
+);
 
 fn no_files(_: &str) -> Result<Vec<u8>, String> {
     Err("no files".to_owned())

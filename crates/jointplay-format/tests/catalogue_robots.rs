@@ -1,7 +1,6 @@
 //! Programs on all robots with arms of the catalogue.
 
 use std::f64::consts::{PI, TAU};
-use std::fmt::Write;
 
 use jointplay_cell::check::{CheckOptions, ViolationKind, check};
 use jointplay_cell::program::{Path, ProgramProblem, expand};
@@ -10,59 +9,10 @@ use jointplay_cell::station::LineRemedy;
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_format::cell::robot::names;
-use jointplay_format::{cell, program};
+use jointplay_format::program;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
-/// A station of a test: its direction and distance from the robot's axis.
-#[derive(Clone, Copy)]
-struct At {
-    azimuth_deg: f64,
-    distance_mm: f64,
-}
-
-/// A cell with stations that are entered by `approach`; the first holds wafers.
-fn cell_of(robot: &str, stations: &[At], approach: &str, retract_mm: f64) -> Cell {
-    let mut text = format!(
-        r#"
-kind = "cell"
-name = "stations of a test"
-robot = "{robot}"
-[wafer]
-diameter_mm = 300.0
-thickness_mm = 0.775
-material = "silicon"
-[budgets]
-virtual_joint_norm_um = 60.0
-min_distance_mm = 1.0
-slot_min_distance_mm = 1.0
-plane_urad = 20.0
-"#
-    );
-    for (index, At { azimuth_deg, distance_mm }) in stations.iter().enumerate() {
-        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
-        write!(
-            text,
-            r#"
-[[station]]
-name = "S{index}"
-slots = 25
-pitch_mm = 10.0
-position_mm = [{}, {}, 520.0]
-heading_deg = {}
-stroke = {{ below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }}
-retract_mm = {retract_mm}
-approach = "{approach}"
-{}
-"#,
-            distance_mm * cos,
-            distance_mm * sin,
-            azimuth_deg - 90.0,
-            if index == 0 { "wafers = \"all\"" } else { "" },
-        )
-        .unwrap();
-    }
-    cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap()
-}
+use crate::small_cell::{StationPlace, small_cell};
 
 /// Why a program has no trajectory: the first problem of its lines, if it is one of them, and its text.
 #[derive(Debug)]
@@ -81,8 +31,13 @@ fn planned(cell: &Cell, text: &str) -> Result<Trajectory, Refusal> {
         .map_err(|error| Refusal { problem: None, message: error.to_string() })
 }
 
-fn stations(distance_mm: f64) -> [At; 3] {
-    [135.0, -135.0, 0.0].map(|azimuth_deg| At { azimuth_deg, distance_mm })
+/// A station that is entered along radial lines of any heading.
+fn radial(azimuth_deg: f64, distance_mm: f64, retract_mm: f64) -> StationPlace {
+    StationPlace { azimuth_deg, distance_mm, retract_mm, oblique_deg: None }
+}
+
+fn stations(distance_mm: f64, retract_mm: f64) -> [StationPlace; 3] {
+    [135.0, -135.0, 0.0].map(|azimuth_deg| radial(azimuth_deg, distance_mm, retract_mm))
 }
 
 const LOT: &str = "
@@ -98,7 +53,7 @@ HOME
 fn every_robot_of_the_catalogue_runs_a_lot_without_violating_a_limit() {
     for robot in names() {
         for retract_mm in [10.0, 250.0] {
-            let cell = cell_of(robot, &stations(700.0), "radial", retract_mm);
+            let cell = small_cell(robot, &stations(700.0, retract_mm), 1);
             let trajectory =
                 planned(&cell, LOT).unwrap_or_else(|error| panic!("{robot}: {error:?}"));
             let report =
@@ -111,7 +66,7 @@ fn every_robot_of_the_catalogue_runs_a_lot_without_violating_a_limit() {
 #[test]
 fn wafers_of_redundant_arms_move_along_straight_lines_without_jumps() {
     for robot in ["scara-3r", "scara-4r"] {
-        let cell = cell_of(robot, &stations(650.0), "radial", 10.0);
+        let cell = small_cell(robot, &stations(650.0, 10.0), 1);
         let trajectory = planned(&cell, LOT).unwrap();
         let mut lines = 0;
         for (index, step) in trajectory.steps.iter().enumerate() {
@@ -145,8 +100,9 @@ fn wafers_of_redundant_arms_move_along_straight_lines_without_jumps() {
 fn each_change_that_the_message_of_a_blocked_line_names_makes_the_line_possible() {
     let get = "GET S0 SLOT 1 WITH A";
     for (robot, azimuth_deg) in [("scara-3r", 135.0), ("scara-4r", 0.0)] {
-        let at = At { azimuth_deg, distance_mm: 600.0 };
-        let cell = cell_of(robot, &[at], "line", 150.0);
+        let free = radial(azimuth_deg, 600.0, 150.0);
+        let line = StationPlace { oblique_deg: Some(0.0), ..free };
+        let cell = small_cell(robot, &[line], 1);
         let refusal = planned(&cell, get).expect_err(robot);
         let message = &refusal.message;
         let Some(ProgramProblem::InfeasibleLine { blocked, .. }) = refusal.problem.as_deref()
@@ -160,11 +116,14 @@ fn each_change_that_the_message_of_a_blocked_line_names_makes_the_line_possible(
         assert!(message.contains("set approach = \"radial\" of S0"), "{message}");
         for remedy in &blocked.remedies {
             let changed = match *remedy {
-                LineRemedy::Retract(reach) => cell_of(robot, &[at], "line", (reach * 1e3).round()),
-                LineRemedy::Radius(reach) => {
-                    cell_of(robot, &[At { distance_mm: reach * 1e3, ..at }], "line", 150.0)
+                LineRemedy::Retract(reach) => {
+                    let retract_mm = (reach * 1e3).round();
+                    small_cell(robot, &[StationPlace { retract_mm, ..line }], 1)
                 }
-                LineRemedy::FreeHeading => cell_of(robot, &[at], "radial", 150.0),
+                LineRemedy::Radius(reach) => {
+                    small_cell(robot, &[StationPlace { distance_mm: reach * 1e3, ..line }], 1)
+                }
+                LineRemedy::FreeHeading => small_cell(robot, &[free], 1),
                 LineRemedy::Limits { axis, min, max } => {
                     let mut changed = cell.clone();
                     let limits = &mut changed.robot.axes[axis];
@@ -270,8 +229,8 @@ fn lines_that_a_grid_search_follows_are_planned_in_random_cells() {
         let (azimuth, distance, retract, shoulder, elbow) =
             proptest::strategy::ValueTree::current(&tree);
         let retract = retract.min(distance - 0.05);
-        let at = At { azimuth_deg: azimuth.to_degrees(), distance_mm: distance * 1e3 };
-        let mut cell = cell_of("scara-3r", &[at], "radial", retract * 1e3);
+        let place = radial(azimuth.to_degrees(), distance * 1e3, retract * 1e3);
+        let mut cell = small_cell("scara-3r", &[place], 1);
         for (axis, share) in [(RODS, shoulder), (RODS + 1, elbow)] {
             let limits = &mut cell.robot.axes[axis];
             (limits.min, limits.max) = (limits.min * share, limits.max * share);
@@ -293,7 +252,7 @@ fn lines_that_a_grid_search_follows_are_planned_in_random_cells() {
 fn arms_that_fold_beyond_their_axis_extend_on_the_side_of_the_station() {
     for robot in ["dual-arm", "radial-arm"] {
         for length in [0.235, 0.245, 0.25] {
-            let mut cell = cell_of(robot, &stations(700.0), "radial", 10.0);
+            let mut cell = small_cell(robot, &stations(700.0, 10.0), 1);
             let joints = cell.robot.arms.iter_mut().flat_map(|arm| &mut arm.joints);
             joints.filter(|joint| joint.length > 0.2).for_each(|joint| joint.length = length);
             // At home, the wafer is beyond the axis.
@@ -308,7 +267,7 @@ fn arms_that_fold_beyond_their_axis_extend_on_the_side_of_the_station() {
 
 #[test]
 fn segments_are_slowed_until_the_wafer_stays() {
-    let mut cell = cell_of("dual-arm", &stations(650.0), "radial", 10.0);
+    let mut cell = small_cell("dual-arm", &stations(650.0, 10.0), 1);
     let fast = planned(&cell, LOT).unwrap().duration();
     for friction in [0.2, 0.05, 0.01] {
         for arm in &mut cell.robot.arms {

@@ -2,7 +2,8 @@
 
 use crate::sandbox::Sandbox;
 
-const CELL: &str = r#"
+const CELL: &str = concat!(
+    r#"
 kind = "cell"
 name = "One port"
 robot = "own.toml"
@@ -11,17 +12,9 @@ assumed = ["places: drawn"]
 [parameters]
 distance = 700
 
-[wafer]
-diameter_mm = 300.0
-thickness_mm = 0.775
-material = "silicon"
-
-[budgets]
-virtual_joint_norm_um = 60.0
-min_distance_mm = 1.0
-slot_min_distance_mm = 1.0
-plane_urad = 20.0
-
+"#,
+    include_str!("../../../jointplay-format/tests/wafer_and_budgets.toml"),
+    r#"
 [[station]]
 name = "port"
 slots = 2
@@ -31,7 +24,8 @@ heading_deg = -90.0
 stroke = { below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }
 retract_mm = 10.0
 wafers = [1]
-"#;
+"#
+);
 
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
