@@ -14,6 +14,7 @@ mod processor;
 mod shape;
 mod single;
 mod solve;
+mod symmetric;
 mod trigonometry;
 
 pub(crate) use by_polynomials::ByPolynomials;

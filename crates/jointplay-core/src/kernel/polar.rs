@@ -14,6 +14,7 @@ use super::found::{
 use super::geometry::{FirstStep, Geometry, Task};
 use super::lanes::{Lanes, Mask};
 use super::shape::{Balls, Three, within};
+use super::symmetric::{Solution, solve_symmetric};
 use super::trigonometry::Series;
 
 /// The sockets of many poses, in polar coordinates.
@@ -84,6 +85,15 @@ impl<S: Simd> Sockets<S> {
         let last = product(&first_step.0[5], missing, zero);
         // A difference from zero, since the negative of zero plus a step of zero is another zero.
         self.phi = [first, zero - (first + last), last];
+    }
+
+    /// Adds a step to the coordinates, and returns the differences by which it turns the directions.
+    #[inline(always)]
+    fn advance(&mut self, step: &Step<S>) -> Three<S> {
+        self.l = sum(self.l, step.l);
+        let by_phi = step.phi();
+        self.phi = sum(self.phi, by_phi);
+        between(by_phi)
     }
 
     /// Turns the directions by differences of steps whose sines and versines are given.
@@ -219,10 +229,7 @@ fn two_steps<S: Simd>(
     let missing = sockets.missing(&response, balls);
     let met_once = within(&missing, &bounds);
     let step = step(task, &response, &unless_branchless(met_once, missing), 0.5);
-    sockets.l = sum(sockets.l, step.l);
-    let by_phi = step.phi();
-    sockets.phi = sum(sockets.phi, by_phi);
-    let second = Series::of_tiny(&between(by_phi));
+    let second = Series::of_tiny(&sockets.advance(&step));
     sockets.turn(&second.sines, &second.versines);
     let response = sockets.response();
     let missing = sockets.missing(&response, balls);
@@ -282,10 +289,7 @@ impl<S: Simd> Iterate<S> {
         // Nothing is missing where the sides are met, so that the step is none.
         let step = step(task, &self.response, &unless(self.met, self.missing), 0.5);
         self.doubtful = self.doubtful | !(step.independent | self.met);
-        self.sockets.l = sum(self.sockets.l, step.l);
-        let by_phi = step.phi();
-        self.sockets.phi = sum(self.sockets.phi, by_phi);
-        let turned = between(by_phi);
+        let turned = self.sockets.advance(&step);
         let (sines, versines) = Series::of_tiny(&turned).or_any(turned);
         self.sockets.turn(&sines, &versines);
         self.iterations = self.iterations + self.met.select(zero, one);
@@ -380,22 +384,8 @@ fn step<S: Simd>(
     let n_01 = turns[0].times_from(by_turn[1], by_j[0] * by_i[1]);
     let n_12 = turns[1].times_from(by_turn[2], by_j[1] * by_i[2]);
     let n_20 = turns[2].times_from(by_turn[0], by_j[2] * by_i[0]);
-    // The inverse by cofactors: one division, and none of it waits for another.
-    let product = n_00 * n_11;
-    let c_00 = n_12.times_from(n_12, n_11 * n_22);
-    let c_11 = n_20.times_from(n_20, n_00 * n_22);
-    let c_22 = n_01.times_from(n_01, product);
-    let c_01 = n_01.times_from(n_22, n_20 * n_12);
-    let c_12 = n_12.times_from(n_00, n_20 * n_01);
-    let c_20 = n_20.times_from(n_11, n_01 * n_12);
-    let determinant = n_00.times_plus(c_00, n_01.times_plus(c_01, n_20 * c_20));
-    let scale = determinant.like(share) / determinant;
-    let [t_0, t_1, t_2] = *target;
-    let y = [
-        c_00.times_plus(t_0, c_01.times_plus(t_1, c_20 * t_2)) * scale,
-        c_01.times_plus(t_0, c_11.times_plus(t_1, c_12 * t_2)) * scale,
-        c_20.times_plus(t_0, c_12.times_plus(t_1, c_22 * t_2)) * scale,
-    ];
+    let entries = [n_00, n_11, n_22, n_01, n_12, n_20];
+    let Solution { y, product, determinant, .. } = solve_symmetric(entries, target, share);
     let mut l = y;
     for k in 0..3 {
         let before = (k + 2) % 3;

@@ -11,6 +11,7 @@ use super::model::{self, Model};
 use super::polar;
 use super::pose::Plane;
 use super::shape::{Balls, Response, Shape, Three, first_step, within};
+use super::symmetric::{Solution, solve_symmetric};
 use crate::virtualization::Solver;
 
 /// How a kernel finds the virtual joints.
@@ -251,23 +252,10 @@ fn step<S: Simd, M: Model>(
     target: &Three<S>,
     share: f64,
 ) -> (Three<S>, Three<S>, Mask<S>) {
-    let [n_00, n_11, n_22, n_01, n_12, n_20] = normal_matrix::<S, M>(task, response);
-    // The inverse by cofactors: one division, and none of it waits for another.
-    let c_00 = n_12.times_from(n_12, n_11 * n_22);
-    let c_11 = n_20.times_from(n_20, n_00 * n_22);
-    let c_22 = n_01.times_from(n_01, n_00 * n_11);
-    let c_01 = n_01.times_from(n_22, n_20 * n_12);
-    let c_12 = n_12.times_from(n_00, n_20 * n_01);
-    let c_20 = n_20.times_from(n_11, n_01 * n_12);
-    let determinant = n_00.times_plus(c_00, n_01.times_plus(c_01, n_20 * c_20));
-    let scale = determinant.like(share) / determinant;
-    let [t_0, t_1, t_2] = *target;
-    let y = [
-        c_00.times_plus(t_0, c_01.times_plus(t_1, c_20 * t_2)) * scale,
-        c_01.times_plus(t_0, c_11.times_plus(t_1, c_12 * t_2)) * scale,
-        c_20.times_plus(t_0, c_12.times_plus(t_1, c_22 * t_2)) * scale,
-    ];
-    let (mut by_a, mut by_b) = (y, [t_0.like(0.0); 3]);
+    let entries = normal_matrix::<S, M>(task, response);
+    let n_22 = entries[2];
+    let Solution { y, product, minor, determinant } = solve_symmetric(entries, target, share);
+    let (mut by_a, mut by_b) = (y, [determinant.like(0.0); 3]);
     for k in 0..3 {
         let (leaving, arriving) = (response.leaving[k], response.arriving[k]);
         let before = y[(k + 2) % 3];
@@ -280,7 +268,7 @@ fn step<S: Simd, M: Model>(
         }
     }
     let independent =
-        (n_00 * n_11 * LEAST_PIVOT).below(c_22) & (n_22 * c_22 * LEAST_PIVOT).below(determinant);
+        (product * LEAST_PIVOT).below(minor) & (n_22 * minor * LEAST_PIVOT).below(determinant);
     (by_a, by_b, independent)
 }
 
