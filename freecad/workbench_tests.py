@@ -15,6 +15,7 @@ import tempfile
 import time
 import traceback
 import zipfile
+from unittest.mock import MagicMock
 
 import FreeCAD as App
 import freecad
@@ -242,9 +243,9 @@ def test_tables_and_texts_give_motions_or_reasons():
         assert np.allclose(by_table, analysis.drive(mechanism, {name: 10.0}, steps=2), atol=1e-12)
         for text, part in [
             ("a_deg\n1\n2\n", "no column"),
-            (f"{name}\n1\n2\n", "has no unit"),
-            (f"{name}_deg\n1\nx\n", "no number"),
-            (f"{name}_deg\n", "two lines"),
+            (f"{name}_mm\n1\n2\n", "is not known"),
+            (f"{name}_deg\n1\nx\n", "expected a finite number"),
+            (f"{name}_deg\n", "0 rows"),
         ]:
             write(text)
             refused(lambda: analysis.table(mechanism, path), part)
@@ -259,6 +260,34 @@ def test_tables_and_texts_give_motions_or_reasons():
     twice = len(document.getObjectsByLabel("rod 1")) > 1
     if twice:
         refused(lambda: linkages.linkage(document, robot_mechanism), "is that of 2 objects")
+
+
+def test_the_panel_follows_the_active_document():
+    # The windows of the panel are stubs.
+    sys.modules.update({name: MagicMock() for name in ["FreeCADGui", "PySide"]})
+    from freecad.jointplay.panel import Panel
+
+    panel = Panel()
+    documents = [robot()[0] for _ in range(2)]
+    path = os.path.join(HERE, "..", "crates", "jointplay-format", "robots", "gpr-mechanism.toml")
+    sys.modules["PySide"].QtGui.QFileDialog.getOpenFileName.return_value = (path, "")
+    for document in documents:
+        App.setActiveDocument(document.Name)
+        panel.open_mechanism()
+    configuration = analysis.drive(panel.linked().mechanism, {"rod 1": 1.0, "rod 2": 1.0, "rod 3": 1.0}, steps=1)[-1]
+    for active, other in [documents, documents[::-1]]:
+        App.setActiveDocument(active.Name)
+        linked = panel.linked()
+        assert linked.parts["platform"].Document is active
+        linked.show(configuration)
+        assert not is_same(linked.parts["platform"].Placement, linked.drawn["platform"])
+        (still,) = other.getObjectsByLabel("platform")
+        assert is_same(still.Placement, linked.drawn["platform"])
+        panel.restore()
+        assert is_same(linked.parts["platform"].Placement, linked.drawn["platform"])
+    # A closed document has no parts to put back.
+    App.closeDocument(documents[0].Name)
+    panel.restore()
 
 
 def test_suggestions_are_those_of_the_library():

@@ -341,6 +341,21 @@ def test_drive_along_a_curve(four_bar):
         four_bar.drive({"A": 0.1}, free=["A"])
 
 
+def test_a_table_of_drives_is_that_of_the_command(four_bar, tmp_path):
+    table = tmp_path / "drives.csv"
+    table.write_text("# by hand\ntime,A_deg\n0,10\n1,20\n2,25\n", encoding="utf-8")
+    drives = four_bar.read_drive_table(table)
+    assert list(drives) == ["A"]
+    np.testing.assert_allclose(drives["A"], np.radians([10, 20, 25]), rtol=1e-15)
+    assert four_bar.drive(drives)["A"] == pytest.approx(drives["A"])
+    for text, part in (("A,B_um\n1,1\n2,2\n", "column 2: joint `B_um` is not known"), ("A\n1\n", "1 rows of numbers")):
+        table.write_text(text, encoding="utf-8")
+        with pytest.raises(jp.InputError, match=part):
+            four_bar.read_drive_table(table)
+    with pytest.raises(OSError):
+        four_bar.read_drive_table(tmp_path / "none.csv")
+
+
 def test_a_dead_point_stops_the_way(ask):
     crossed = jp.Mechanism.from_catalogue("four-bar").drive({"D": (0, 2.5)})
     assert crossed.stopped == "locked" and "dead point" in crossed.message

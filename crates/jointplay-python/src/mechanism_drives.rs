@@ -1,22 +1,62 @@
 //! Paths of driven joints.
 
+use std::path::PathBuf;
+
 use jointplay::Error;
+use jointplay::interop::import;
 use jointplay::mechanism::{Drive, DrivePath, DrivenMotion, held_actuators};
 use jointplay::nalgebra::DVector;
-use numpy::{PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
+use pyo3::types::{PyDict, PyMapping};
 
 use crate::arrays::real;
-use crate::errors;
 use crate::mechanism::PyMechanism;
 use crate::mechanism_analyses::{MOST_STEPS, STEPS};
+use crate::{errors, files};
 
 /// Values of one driven joint coordinate (m, rad).
 struct Driven {
     coordinate: usize,
     name: String,
     values: Vec<f64>,
+}
+
+#[pymethods]
+impl PyMechanism {
+    /// Values of driven joints in a table (CSV), as `jointplay move --table` reads it.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path-like
+    ///     A line of headings, then a line of numbers for each position: a heading is the name of a coordinate, with values in the unit of the file, or its name, `_` and a unit, such as `crank_deg`. A first column of another name, whose values increase or decrease, is ignored.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to array
+    ///     Values of each driven coordinate, for `drive` and `positions`, shape (n,) (m, rad).
+    ///
+    /// Raises
+    /// ------
+    /// InputError
+    ///     For a file that is no such table.
+    /// OSError
+    ///     For a file that cannot be read.
+    fn read_drive_table<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let text = files::read_text(py, &path, import::MAX_TABLE_BYTES as u64)?;
+        let table = import::drive_table(&text, &self.coordinates, &self.file.mechanism)
+            .map_err(|error| errors::input(py, &format!("{}: {error}", path.display())))?;
+        let drives = PyDict::new(py);
+        for (&coordinate, values) in table.coordinates.iter().zip(table.values) {
+            let name = &self.coordinates.all()[coordinate].name;
+            drives.set_item(name, PyArray1::from_vec(py, values))?;
+        }
+        Ok(drives)
+    }
 }
 
 impl PyMechanism {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 
 import numpy as np
@@ -16,7 +15,7 @@ UNITS = {"m": ("mm", 1e-3), "rad": ("°", np.pi / 180)}
 
 
 class MotionError(ValueError):
-    """A drive or table that gives no motion."""
+    """A drive that gives no motion."""
 
 
 def mobility_text(mechanism: jp.Mechanism) -> str:
@@ -54,28 +53,8 @@ def drive(mechanism: jp.Mechanism, displacements: Mapping[str, float], steps: in
 
 
 def table(mechanism: jp.Mechanism, path: str) -> np.ndarray:
-    """Configurations along the rows of a CSV file, whose headings are coordinates with a unit, such as ``rod 1_mm`` or ``crank_deg``."""
-    factors = {"_mm": 1e-3, "_m": 1.0, "_um": 1e-6, "_deg": np.pi / 180, "_rad": 1.0}
-    with open(path, newline="", encoding="utf-8-sig") as file:
-        rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
-    if len(rows) < 3:
-        raise MotionError(f"{path} has to have a line of headings and two lines of numbers")
-    paths = {}
-    for k, heading in enumerate(rows[0]):
-        ending = next((one for one in factors if heading.endswith(one)), None)
-        name = heading[: -len(ending)] if ending else heading
-        if name not in mechanism.coordinate_names:
-            continue
-        if ending is None:
-            raise MotionError(f"the column {heading!r} has no unit: name it {heading}_mm or {heading}_deg")
-        try:
-            paths[name] = np.array([float(row[k]) for row in rows[1:]]) * factors[ending]
-        except (ValueError, IndexError) as error:
-            raise MotionError(f"the column {heading!r} of {path} has a cell that is no number") from error
-    if not paths:
-        known = ", ".join(mechanism.coordinate_names)
-        raise MotionError(f"no column of {path} is a coordinate of the mechanism: {known}")
-    return positions(mechanism, paths)
+    """Configurations along the rows of a CSV file of drives, as ``jointplay move --table`` reads it, shape (n, f + M) [m, rad]."""
+    return positions(mechanism, mechanism.read_drive_table(path))
 
 
 def positions(mechanism: jp.Mechanism, paths: Mapping[str, np.ndarray]) -> np.ndarray:

@@ -106,3 +106,30 @@ def linkage(document: App.Document, mechanism: jp.Mechanism | None = None) -> Li
         {link: App.Placement(part.Placement) for link, part in parts.items()},
         {link: mechanism.link_poses(start, link) for link in parts},
     )
+
+
+class OpenLinkages:
+    """Linkages of open documents, each read when it is first used."""
+
+    def __init__(self):
+        self._by_name: dict[str, tuple[App.Document, Linkage]] = {}
+
+    def linkage(self, document: App.Document) -> Linkage:
+        """The linkage of a document: the one that was set, or that of its assembly."""
+        known, found = self._by_name.get(document.Name, (None, None))
+        return found if known is document else self.set(document, None)
+
+    def set(self, document: App.Document, mechanism: jp.Mechanism | None) -> Linkage:
+        """Matches a mechanism to the parts of a document as drawn, in place of an earlier one."""
+        known, earlier = self._by_name.get(document.Name, (None, None))
+        if known is document:
+            earlier.restore()
+        found = linkage(document, mechanism)
+        self._by_name[document.Name] = (document, found)
+        return found
+
+    def restore(self) -> None:
+        """Places the parts of all documents that are still open as drawn."""
+        for name, (document, found) in self._by_name.items():
+            if App.listDocuments().get(name) is document:
+                found.restore()

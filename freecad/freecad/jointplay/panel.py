@@ -9,7 +9,7 @@ from PySide import QtCore, QtGui
 import jointplay as jp
 
 from . import analysis
-from .linkage import linkage
+from .linkage import Linkage, OpenLinkages
 
 #: Time between two configurations of a motion (ms).
 INTERVAL_MS = 40
@@ -19,8 +19,7 @@ class Panel:
     """Task panel: a text with results, drives, a table, and the factor of play."""
 
     def __init__(self):
-        self.mechanism = None
-        self.linkage = None
+        self.linkages = OpenLinkages()
         self.timer = None
         self.form = QtGui.QWidget()
         self.form.setWindowTitle("Jointplay")
@@ -55,20 +54,23 @@ class Panel:
         except (ValueError, OSError, jp.JointplayError) as error:
             self.text.setPlainText(str(error))
 
-    def linked(self):
-        """The linkage of the active document."""
+    def document(self) -> App.Document:
+        """The active document."""
         if App.ActiveDocument is None:
             raise ValueError("open a document with an assembly first")
-        if self.linkage is None:
-            self.linkage = linkage(App.ActiveDocument, self.mechanism)
-        return self.linkage
+        return App.ActiveDocument
+
+    def linked(self) -> Linkage:
+        """The linkage of the active document."""
+        return self.linkages.linkage(self.document())
 
     def open_mechanism(self):
         path, _ = QtGui.QFileDialog.getOpenFileName(self.form, "Mechanism file", "", "Mechanisms (*.toml)")
         if path:
-            self.restore()
-            self.mechanism, self.linkage = jp.Mechanism.from_file(path), None
-            self.text.setPlainText(f"{self.mechanism.name}; links without a part: {self.linked().unmatched}")
+            self.stop()
+            mechanism = jp.Mechanism.from_file(path)
+            linked = self.linkages.set(self.document(), mechanism)
+            self.text.setPlainText(f"{mechanism.name}; links without a part: {linked.unmatched}")
 
     def mobility(self):
         self.text.setPlainText(analysis.mobility_text(self.linked().mechanism))
@@ -105,8 +107,7 @@ class Panel:
 
     def restore(self):
         self.stop()
-        if self.linkage is not None:
-            self.linkage.restore()
+        self.linkages.restore()
 
     def accept(self):
         self.stop()

@@ -421,6 +421,9 @@ class Mechanism:
         steps: int | None = None,
         free: Sequence[str] | None = None,
     ) -> Motion: ...
+    def read_drive_table(
+        self, path: str | PathLike[str]
+    ) -> dict[str, NDArray[np.float64]]: ...
     def suggest(
         self,
         commands: Sequence[dict[str, float]],

@@ -1,11 +1,27 @@
 //! Tables of values of driven coordinates (CSV).
 
 use csv::{ReaderBuilder, Trim};
+use jointplay_core::mechanism::Mechanism;
+use jointplay_format::command::Heading;
+use jointplay_format::coordinates::{self, Coordinates};
 
+/// Largest accepted table (bytes).
+pub const MAX_TABLE_BYTES: usize = 64_000_000;
 /// Largest number of rows of a table.
 pub const MAX_ROWS: usize = 100_001;
 /// Largest number of columns of a table.
 pub const MAX_COLUMNS: usize = 10_000;
+
+/// Values of driven coordinates at the points of a path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriveTable {
+    /// The variable of the path: a first column that names no coordinate.
+    pub variable: Option<DriveColumn>,
+    /// Indices of the driven coordinates.
+    pub coordinates: Vec<usize>,
+    /// Values of each driven coordinate at all points (m, rad).
+    pub values: Vec<Vec<f64>>,
+}
 
 /// A column of numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +66,36 @@ pub enum DriveTableError {
         /// Number of rows found; counted only up to the first that is too many.
         found: usize,
     },
+    /// A heading that names no coordinate.
+    #[error("column {column}: {error}")]
+    Unknown {
+        /// Number of the column, counted from 1.
+        column: usize,
+        /// Which names are known.
+        error: coordinates::Error,
+    },
+    /// A coordinate with two columns.
+    #[error("column {column}: {name:?} is given twice")]
+    Twice {
+        /// Number of the second column, counted from 1.
+        column: usize,
+        /// Its heading.
+        name: String,
+    },
+    /// A value beyond every mechanism.
+    #[error(transparent)]
+    TooLarge(coordinates::Error),
+    /// A variable whose values neither increase nor decrease.
+    #[error(
+        "the values of the variable {name:?} in the first column must increase or decrease from row to row"
+    )]
+    Variable {
+        /// Name of the variable.
+        name: String,
+    },
+    /// No column of a coordinate.
+    #[error("no column names a joint coordinate")]
+    NoCoordinate,
     /// Too many columns.
     #[error("the table has {found} columns, at most {MAX_COLUMNS} are allowed")]
     Columns {
@@ -58,11 +104,49 @@ pub enum DriveTableError {
     },
 }
 
-/// Reads a table: a line of headings, then a line of numbers for each point of the path; lines that start with `#` are comments.
+/// Reads a table of driven coordinates: a line of headings, then a line of numbers for each point of the path; lines that start with `#` are comments.
+///
+/// A heading is that of a [`Heading`]; a first column with another one has the values of the variable of the path.
 ///
 /// # Errors
 /// [`DriveTableError`].
-pub fn drive_table(text: &str) -> Result<Vec<DriveColumn>, DriveTableError> {
+pub fn drive_table(
+    text: &str,
+    coordinates: &Coordinates,
+    mechanism: &Mechanism,
+) -> Result<DriveTable, DriveTableError> {
+    let mut table = DriveTable { variable: None, coordinates: Vec::new(), values: Vec::new() };
+    for (k, column) in columns(text)?.into_iter().enumerate() {
+        let heading = match Heading::find(coordinates, mechanism, &column.name) {
+            Ok(heading) => heading,
+            Err(coordinates::Error::Unknown { nearest: None, .. }) if k == 0 => {
+                let rising = column.values.windows(2).all(|pair| pair[0] < pair[1]);
+                let falling = column.values.windows(2).all(|pair| pair[0] > pair[1]);
+                if !rising && !falling {
+                    return Err(DriveTableError::Variable { name: column.name });
+                }
+                table.variable = Some(column);
+                continue;
+            }
+            Err(error) => return Err(DriveTableError::Unknown { column: k + 1, error }),
+        };
+        let coordinate = heading.coordinate();
+        if table.coordinates.contains(&coordinate) {
+            return Err(DriveTableError::Twice { column: k + 1, name: column.name });
+        }
+        table.coordinates.push(coordinate);
+        let si = |value| coordinates.checked(coordinate, heading.to_si(value));
+        let values = column.values.into_iter().map(si).collect::<Result<_, _>>();
+        table.values.push(values.map_err(DriveTableError::TooLarge)?);
+    }
+    if table.coordinates.is_empty() {
+        return Err(DriveTableError::NoCoordinate);
+    }
+    Ok(table)
+}
+
+/// The columns of a table, whatever their headings.
+fn columns(text: &str) -> Result<Vec<DriveColumn>, DriveTableError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader =
         ReaderBuilder::new().trim(Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
@@ -106,15 +190,33 @@ mod tests {
 
     #[test]
     fn a_table_has_headings_and_finite_numbers() {
-        let columns = drive_table("\u{feff}# a comment\nt, leg 1_mm\n0, 1.5\n\n1,-2e-3\n").unwrap();
+        let columns = columns("\u{feff}# a comment\nt, leg 1_mm\n0, 1.5\n\n1,-2e-3\n").unwrap();
         assert_eq!(columns[0], DriveColumn { name: "t".to_owned(), values: vec![0.0, 1.0] });
         assert_eq!(columns[1].name, "leg 1_mm");
         assert_eq!(columns[1].values, [1.5, -2e-3]);
     }
 
+    #[test]
+    fn columns_of_coordinates_are_in_si_units_and_a_first_one_of_another_name_is_the_variable() {
+        let four_bar = jointplay_format::catalogue::find("four-bar").unwrap().text;
+        let file = jointplay_format::mechanism::parse(four_bar).unwrap();
+        let coordinates = Coordinates::of(&file);
+        let read = |text: &str| drive_table(text, &coordinates, &file.mechanism);
+        let table = read("time,B_rad,A\n0,1,180\n1,2,-90\n").unwrap();
+        let variable = DriveColumn { name: "time".to_owned(), values: vec![0.0, 1.0] };
+        assert_eq!(table.variable, Some(variable));
+        let find = |name: &str| coordinates.find(&file.mechanism, name).unwrap();
+        assert_eq!(table.coordinates, [find("B"), find("A")]);
+        assert_eq!(table.values[0], [1.0, 2.0]);
+        assert!((table.values[1][0] - std::f64::consts::PI).abs() < 1e-15);
+        let refused = |text: &str| read(text).unwrap_err().to_string();
+        assert!(refused("A,time\n1,0\n2,1\n").starts_with("column 2: joint `time`"));
+        assert!(refused("time\n1\n2\n").contains("no column names"));
+    }
+
     #[track_caller]
     fn refuse(text: &str, message: &str) {
-        let error = drive_table(text).unwrap_err().to_string();
+        let error = columns(text).unwrap_err().to_string();
         assert!(error.contains(message), "{text:?}: {error}");
     }
 

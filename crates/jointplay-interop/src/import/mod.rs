@@ -35,7 +35,9 @@ mod testing;
 mod urdf;
 mod xml;
 
-pub use drive_table::{DriveColumn, DriveTableError, MAX_COLUMNS, MAX_ROWS, drive_table};
+pub use drive_table::{
+    DriveColumn, DriveTable, DriveTableError, MAX_COLUMNS, MAX_ROWS, MAX_TABLE_BYTES, drive_table,
+};
 pub use freecad::{ArchiveError, MAX_DOCUMENT_BYTES, document_text, is_archive, is_document_name};
 pub use loops::LoopsError;
 pub use mjcf::{Expanded, IncludeError, expand_includes};
