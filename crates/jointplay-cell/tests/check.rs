@@ -4,14 +4,13 @@ use crate::common;
 
 use std::collections::BTreeSet;
 
-use common::{A, GRAVITY};
+use common::{A, GRAVITY, step};
 use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, CheckResult, Report, ViolationKind, check};
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
+use jointplay_cell::program::{Handoff, Path, Phase, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
-use jointplay_cell::station::teach::FrameUncertainty;
-use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::station::{SlotId, Station};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, DroopRow};
 use jointplay_cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
@@ -29,24 +28,6 @@ fn cell() -> Cell {
     let mut robot = common::kind(0, [0.25, 0.22, 0.2]);
     robot.arms[0].effectors[0].friction = 1.0;
     common::cell(robot)
-}
-
-fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
-    Step {
-        instruction,
-        place: SourceLocation { line: instruction + 10, column: 1 },
-        phase: Phase::Move,
-        from: from.to_vec(),
-        to: to.to_vec(),
-        path: Path::PointToPoint,
-        speed_scaling: 1.0,
-        blend_radius: 0.0,
-        postures: None,
-        line_speed: None,
-        loaded: vec![A],
-        handoff: None,
-        slot: None,
-    }
 }
 
 /// Level, the arm bent, T from 0 to 1.2 rad; then back.
@@ -556,20 +537,10 @@ fn get(cell: &mut Cell, pitch: f64) -> Trajectory {
     let slot = SlotId { station: 0, slot: 2 };
     cell.loaded_effectors.clear();
     cell.stations = vec![Station {
-        name: "port".into(),
-        base_from_station,
-        origin: Origin::Nominal,
-        uncertainty: FrameUncertainty::UNKNOWN,
         slots: 3,
         pitch,
-        slot_step: [0.0; 2],
-        stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },
-        offset: [0.0; 3],
         retract_reach: 0.3,
-        via: Vec::new(),
-        approach: Approach::Radial,
-        effectors: vec![A],
-        process_time: 0.0,
+        ..common::station("port", base_from_station)
     }];
     cell.occupied = (1..=3).map(|slot| SlotId { station: 0, slot }).collect();
     let up = |height: f64, near: &[f64]| {

@@ -4,8 +4,6 @@ use crate::common;
 
 use common::{KINDS, kind};
 use jointplay_cell::robot::{EffectorId, RODS};
-use jointplay_cell::station::teach::FrameUncertainty;
-use jointplay_cell::station::{Approach, Origin, Station, Stroke};
 use jointplay_core::spatial::Pose;
 
 /// Evenly distributed numbers from 0 to 1, the same in each run.
@@ -56,22 +54,7 @@ fn reach_range_is_a_tight_bound() {
 #[test]
 fn retract_distances_are_measured_from_the_first_joint_of_the_arm() {
     let mut robot = kind(0, [0.2, 0.22, 0.15]);
-    let mut station = Station {
-        name: "port".into(),
-        base_from_station: Pose::translation(0.7, 0.0, 0.5),
-        origin: Origin::Nominal,
-        uncertainty: FrameUncertainty::UNKNOWN,
-        slots: 1,
-        pitch: 0.0,
-        slot_step: [0.0; 2],
-        stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },
-        offset: [0.0; 3],
-        retract_reach: 0.0,
-        via: Vec::new(),
-        approach: Approach::Radial,
-        effectors: vec![EffectorId { arm: 0, effector: 0 }],
-        process_time: 0.0,
-    };
+    let mut station = common::station("port", Pose::translation(0.7, 0.0, 0.5));
     // The arm is mounted 0.3 m in front of the base axis, then behind it.
     for (x, distance) in [(0.3, 0.4), (-0.3, 1.0), (0.0, 0.7)] {
         robot.arms[0].mount = [x, 0.0, 0.06];

@@ -8,7 +8,7 @@ use jointplay_cell::check::{
     CheckOptions, Report, ViolationKind, bodies_in_zones, check, group_violations, remedies,
 };
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::program::{Path, Phase, SourceLocation, Step};
+use jointplay_cell::program::{Phase, Step};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::{Body, Cell, ParentFrame, Zone, ZoneRule};
 use jointplay_core::spatial::Pose;
@@ -26,20 +26,9 @@ fn cell() -> Cell {
 
 /// T from 0 to 1.2 rad in line 10, and back in line 11.
 fn there_and_back(cell: &Cell) -> Trajectory {
-    let step = |instruction: usize, from: f64, to: f64| Step {
-        instruction,
-        place: SourceLocation { line: instruction + 10, column: 1 },
-        phase: Phase::Turn,
-        from: vec![0.5, 0.5, 0.5, from, BENT],
-        to: vec![0.5, 0.5, 0.5, to, BENT],
-        path: Path::PointToPoint,
-        speed_scaling: 1.0,
-        blend_radius: 0.0,
-        postures: None,
-        line_speed: None,
-        loaded: vec![A],
-        handoff: None,
-        slot: None,
+    let step = |instruction: usize, from: f64, to: f64| {
+        let [from, to] = [from, to].map(|turn| [0.5, 0.5, 0.5, turn, BENT]);
+        Step { phase: Phase::Turn, ..common::step(instruction, &from, &to) }
     };
     let steps = vec![step(0, 0.0, 1.2), step(1, 1.2, 0.0)];
     plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap()

@@ -8,12 +8,10 @@ use jointplay_cell::check::{CheckOptions, Violation, ViolationKind, check};
 use jointplay_cell::optimise::{
     Candidate, Evaluation, Objectives, OptimiseOptions, Search, TimingModel, WaferFlow,
 };
-use jointplay_cell::program::{Handoff, Path, Phase, Program, SourceLocation, Step};
+use jointplay_cell::program::{Handoff, Path, Program, SourceLocation, Step};
 use jointplay_cell::robot::{Effector, EffectorId};
 use jointplay_cell::schedule::{Resource, Schedule, schedule};
-use jointplay_cell::station::{
-    Approach, DwellLimits, Origin, SlotId, Station, Stroke, VisitRule, WaferRules,
-};
+use jointplay_cell::station::{DwellLimits, SlotId, Station, Stroke, VisitRule, WaferRules};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
@@ -32,24 +30,17 @@ const LOAD_LOCK: usize = 0;
 /// A load lock with many slots, and chambers with one slot.
 fn tool(processes: &[f64], wafers: usize) -> Cell {
     let mut cell = common::cell(common::kind(0, [0.25, 0.22, 0.2]));
-    let station = |index: usize, slots: usize, process_time: f64| Station {
-        name: format!("S{index}"),
-        base_from_station: Pose::from_parts(
-            Translation3::new(2.0 + index as f64, 0.0, 0.3),
-            nalgebra::Rotation3::identity(),
-        ),
-        origin: Origin::Nominal,
-        uncertainty: jointplay_cell::station::teach::FrameUncertainty::UNKNOWN,
-        slots,
-        pitch: 0.01,
-        slot_step: [0.0; 2],
-        stroke: Stroke { below: 0.002, above: 0.002, speed: 0.01 },
-        offset: [0.0; 3],
-        retract_reach: 0.2,
-        via: Vec::new(),
-        approach: Approach::Radial,
-        effectors: vec![A],
-        process_time,
+    let station = |index: usize, slots: usize, process_time: f64| {
+        let place = Translation3::new(2.0 + index as f64, 0.0, 0.3);
+        let base_from_station = Pose::from_parts(place, nalgebra::Rotation3::identity());
+        Station {
+            slots,
+            pitch: 0.01,
+            stroke: Stroke { below: 0.002, above: 0.002, speed: 0.01 },
+            retract_reach: 0.2,
+            process_time,
+            ..common::station(&format!("S{index}"), base_from_station)
+        }
     };
     cell.stations.push(station(LOAD_LOCK, wafers, 0.0));
     for (index, &process) in processes.iter().enumerate() {
@@ -77,19 +68,11 @@ impl<'c> Steps<'c> {
     fn push(&mut self, path: Path, to: Vec<f64>, handoff: Option<Handoff>) {
         let from = self.steps.last().map_or_else(home, |step| step.to.clone());
         self.steps.push(Step {
-            instruction: self.line - 1,
             place: SourceLocation { line: self.line, column: 1 },
-            phase: Phase::Move,
-            from,
-            to,
             path,
-            speed_scaling: 1.0,
-            blend_radius: 0.0,
-            postures: None,
-            line_speed: None,
             loaded: Vec::new(),
             handoff,
-            slot: None,
+            ..common::step(self.line - 1, &from, &to)
         });
     }
 

@@ -15,5 +15,6 @@ mod message_words;
 mod messages;
 mod parts;
 mod peaks;
+mod planned;
 mod sample_columns;
 mod timeline;

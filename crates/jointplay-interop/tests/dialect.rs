@@ -1,11 +1,12 @@
 //! Controller text by dialects: formats, codes, checksums and line numbers.
 
-use jointplay_cell::program::{Path, expand};
-use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
+use jointplay_cell::program::Path;
+use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
-use jointplay_format::{cell, program};
 use jointplay_interop::export::dialect::Dialect;
 use jointplay_interop::export::{Error, MotionExport};
+
+use crate::planned::{example, planned};
 
 const PROGRAM: &str = "HOME\nTRANSFER LP1 SLOT 3 TO LP2 SLOT 12 WITH B\nHOME\n";
 
@@ -26,15 +27,14 @@ line = []
 still = []
 "#;
 
-fn planned() -> (Cell, Trajectory) {
-    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
-    let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
-    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+fn example_motion() -> (Cell, Trajectory) {
+    let cell = example();
+    let motion = planned(&cell, PROGRAM);
     (cell, motion)
 }
 
 fn write(rest: &str) -> Result<String, Error> {
-    let (cell, motion) = planned();
+    let (cell, motion) = example_motion();
     let dialect = Dialect::parse(&format!("{HEAD}{rest}")).unwrap();
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
@@ -161,7 +161,7 @@ fn hand_offs_have_the_poses_of_their_slots() {
     let in_inches =
         HEAD.replace("length = \"mm\"", "length = \"in\"").replace("\"deg\"", "\"rad\"");
     let dialect = Dialect::parse(&format!("{in_inches}{rest}")).unwrap();
-    let (cell, motion) = planned();
+    let (cell, motion) = example_motion();
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     let converted = dialect.write(&motion_export, 10.0).unwrap();
@@ -175,7 +175,7 @@ fn hand_offs_have_the_poses_of_their_slots() {
 
 #[test]
 fn poses_at_ends_of_lines_and_at_even_times_are_those_of_the_wafers() {
-    let (cell, motion) = planned();
+    let (cell, motion) = example_motion();
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     let write = |head: String| Dialect::parse(&head).unwrap().write(&motion_export, 10.0).unwrap();

@@ -1,7 +1,7 @@
 //! Exported motions: duration, exact ends, and violations.
 
 use jointplay_cell::check::{CheckOptions, PoseContext, check_pose};
-use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step, expand};
+use jointplay_cell::program::{Handoff, Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
@@ -14,7 +14,7 @@ use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::BuiltIn;
-use jointplay_format::{cell, program};
+use jointplay_format::cell;
 use jointplay_interop::export::dialect::{DIALECTS, Dialect};
 use jointplay_interop::export::{
     Frame, MACRO, MotionExport, ViolationNote, frames, gltf, gltf_within, samples, solidworks,
@@ -25,6 +25,8 @@ use proptest::prelude::RngExt;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 use serde_json::Value;
 use std::collections::BTreeMap;
+
+use crate::planned::{example, planned};
 
 const PROGRAM: &str = "HOME\nGET port WITH A\nWAIT 0.25\n";
 const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
@@ -337,11 +339,8 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
 
 #[test]
 fn droop_is_the_same_in_programs_and_in_jogging() {
-    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
-    let program = program::parse("HOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\n").unwrap();
-    let motion =
-        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
-            .unwrap();
+    let cell = example();
+    let motion = planned(&cell, "HOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\n");
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: "", violation_notes: &[] };
     let pose = |frames: &[Frame], name: &str| {
@@ -807,13 +806,10 @@ impl<'a> Animated<'a> {
 
 #[test]
 fn a_3d_scene_follows_the_motion_between_keys() {
-    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let cell = example();
     // Late in a long motion, where single precision resolves times only to about 30 µs unless the rate is a power of two.
     let text = "WAIT 800 s\nHOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 25 WITH B\nHOME\n";
-    let program = program::parse(text).unwrap();
-    let motion =
-        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
-            .unwrap();
+    let motion = planned(&cell, text);
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: text, violation_notes: &[] };
     let rate = 32.0;
@@ -868,10 +864,7 @@ fn the_check_and_the_3d_scene_have_the_same_poses() {
     }
     let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
     let program = "TRANSFER LP1 SLOT 25 TO PM1 WITH B\nTRANSFER PM1 TO LP2 SLOT 25 WITH A\n";
-    let program = program::parse(program).unwrap();
-    let motion =
-        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
-            .unwrap();
+    let motion = planned(&cell, program);
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: "", violation_notes: &[] };
     let rate = 64.0;
@@ -951,13 +944,10 @@ fn the_check_and_the_3d_scene_have_the_same_poses() {
 
 #[test]
 fn fewer_keys_stay_within_the_tolerance() {
-    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let cell = example();
     let text =
         "HOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 25 WITH B\nHOME\n";
-    let program = program::parse(text).unwrap();
-    let motion =
-        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
-            .unwrap();
+    let motion = planned(&cell, text);
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: text, violation_notes: &[] };
     let rate = 100.0;

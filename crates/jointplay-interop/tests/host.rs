@@ -1,6 +1,5 @@
 //! The simulated controller: its commands move as programs do, and nothing else moves it.
 
-use jointplay_cell::workcell::Cell;
 use jointplay_cell::{IncrementalPlanner, PlanOptions};
 use jointplay_format::{cell, program};
 use jointplay_interop::host::{
@@ -9,9 +8,7 @@ use jointplay_interop::host::{
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-fn example() -> Cell {
-    cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap()
-}
+use crate::planned::example;
 
 /// A host that waits for each answer.
 struct Host<'l> {

@@ -1,10 +1,9 @@
 //! Samples whose linear interpolation is the motion.
 
-use jointplay_cell::program::expand;
-use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
-use jointplay_format::{cell, program};
 use jointplay_interop::export::{MotionExport, SampleOptions, samples, samples_with};
 use jointplay_report::table::{Column, Values};
+
+use crate::planned::{example, planned};
 
 const PROGRAM: &str = "HOME\nBLEND 5 mm\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nMOVE T 0.5 deg\n";
 
@@ -23,9 +22,8 @@ fn drawn(times: &[f64], values: &[f64], time: f64) -> f64 {
 
 #[test]
 fn lines_between_samples_with_peaks_are_the_motion() {
-    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
-    let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
-    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+    let cell = example();
+    let motion = planned(&cell, PROGRAM);
     let motion_export =
         MotionExport { cell: &cell, motion: &motion, program: PROGRAM, violation_notes: &[] };
     let even = samples(&motion_export, 25.0).unwrap();

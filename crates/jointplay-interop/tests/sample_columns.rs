@@ -1,10 +1,8 @@
 //! Columns of tables: headings, tilts and speeds compared with other formulas, and windows with the whole table.
 
 use jointplay_cell::check::{CheckOptions, check};
-use jointplay_cell::program::expand;
-use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
+use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
-use jointplay_format::{cell, program};
 use jointplay_interop::export::{
     Error, MotionExport, SampleOptions, samples, samples_in_parts, samples_with, select_columns,
 };
@@ -12,12 +10,13 @@ use jointplay_report::table::{Column, Values};
 use nalgebra::UnitQuaternion;
 use proptest::prelude::*;
 
+use crate::planned::{example, planned};
+
 const PROGRAM: &str = "HOME\nTRANSFER LP1 SLOT 1 TO LP2 SLOT 25 WITH B\nHOME\n";
 
-fn planned() -> (Cell, Trajectory) {
-    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
-    let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
-    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+fn example_motion() -> (Cell, Trajectory) {
+    let cell = example();
+    let motion = planned(&cell, PROGRAM);
     (cell, motion)
 }
 
@@ -44,7 +43,7 @@ fn between(a: f64, b: f64) -> f64 {
 
 #[test]
 fn heading_and_tilt_agree_with_the_quaternion_and_the_normal() {
-    let (cell, motion) = planned();
+    let (cell, motion) = example_motion();
     let motion_export = motion_export(&cell, &motion);
     let columns = samples_with(&motion_export, &options(&cell, 20.0, &["all"])).unwrap();
     let (mut largest, mut loaded) = (0.0_f64, 0);
@@ -84,7 +83,7 @@ fn heading_and_tilt_agree_with_the_quaternion_and_the_normal() {
 
 #[test]
 fn budgets_peak_where_the_check_reports_them() {
-    let (cell, motion) = planned();
+    let (cell, motion) = example_motion();
     let columns =
         samples_with(&motion_export(&cell, &motion), &options(&cell, 1000.0, &["budgets"]));
     let columns = columns.unwrap();
@@ -113,7 +112,7 @@ fn budgets_peak_where_the_check_reports_them() {
 
 #[test]
 fn speeds_of_wafer_centres_are_the_derivatives_of_their_positions() {
-    let (cell, motion) = planned();
+    let (cell, motion) = example_motion();
     let motion_export = motion_export(&cell, &motion);
     // Within the motion to the tilted station, where the arm is loaded.
     let step = motion.steps.iter().position(|step| !step.loaded.is_empty()).unwrap() + 1;
@@ -133,7 +132,7 @@ fn speeds_of_wafer_centres_are_the_derivatives_of_their_positions() {
 
 #[test]
 fn the_default_table_is_the_group_of_that_name() {
-    let (cell, motion) = planned();
+    let (cell, motion) = example_motion();
     let motion_export = motion_export(&cell, &motion);
     let named = samples_with(&motion_export, &options(&cell, 10.0, &["default"])).unwrap();
     assert_eq!(samples(&motion_export, 10.0).unwrap(), named);
@@ -150,7 +149,7 @@ proptest! {
     fn a_window_has_the_bits_of_the_whole_table(
         rate in 1.0..200.0_f64, ends in (0.0..1.0_f64, 0.0..1.0_f64)
     ) {
-        static PLANNED: std::sync::LazyLock<(Cell, Trajectory)> = std::sync::LazyLock::new(planned);
+        static PLANNED: std::sync::LazyLock<(Cell, Trajectory)> = std::sync::LazyLock::new(example_motion);
         let (cell, motion) = &*PLANNED;
         let motion_export = motion_export(cell, motion);
         let [from, to] = [ends.0.min(ends.1), ends.0.max(ends.1)].map(|part| part * motion.duration());

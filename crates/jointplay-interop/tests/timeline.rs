@@ -1,14 +1,13 @@
 //! Windows of a motion: their channels compared with the poses of the cell.
 
-use jointplay_cell::program::expand;
-use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::{BuiltIn, Planar, Polar, Virtualization};
-use jointplay_format::{cell, program};
 use jointplay_interop::export::{MotionExport, Timeline};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use serde_json::Value;
+
+use crate::planned::{example, planned};
 
 const TEXT: &str = "BLEND 20 mm\nHOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 25 WITH B\nHOME\n";
 
@@ -49,10 +48,7 @@ fn off(one: &Pose, other: &Pose) -> f64 {
 }
 
 fn check(cell: &Cell, text: &str) {
-    let program = program::parse(text).unwrap();
-    let motion =
-        plan_trajectory(cell, expand(cell, &program).unwrap(), &TrajectoryOptions::default())
-            .unwrap();
+    let motion = planned(cell, text);
     let motion_export = MotionExport { cell, motion: &motion, program: text, violation_notes: &[] };
     let timeline = Timeline::new(&motion_export, &[], None).unwrap();
     let axes = cell.robot.axes.len();
@@ -129,7 +125,7 @@ fn check(cell: &Cell, text: &str) {
 
 #[test]
 fn channels_of_windows_follow_the_motion() {
-    let mut cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let mut cell = example();
     check(&cell, TEXT);
     // A platform without a closed form.
     cell.robot.model.virtualization = BuiltIn::Polar;
@@ -138,11 +134,10 @@ fn channels_of_windows_follow_the_motion() {
 
 #[test]
 fn one_bit_of_a_cell_changes_the_hash_on_which_its_windows_depend() {
-    let cell = || cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
-    let given = cell().kinematics_hash();
-    assert_eq!(given, cell().kinematics_hash());
+    let given = example().kinematics_hash();
+    assert_eq!(given, example().kinematics_hash());
     let changed = |change: fn(&mut Cell)| {
-        let mut cell = cell();
+        let mut cell = example();
         change(&mut cell);
         cell.kinematics_hash()
     };

@@ -20,7 +20,7 @@ use super::sampled_step::SampledStep;
 use super::scene::Scene;
 use crate::EntityId;
 use crate::geometry::{ColliderCache, Shape};
-use crate::program::{Path, Phase, SourceLocation, Step};
+use crate::program::Step;
 use crate::robot::{AxisKind, PlatformModel, RODS};
 use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, joint_space_line, plan_trajectory};
 use crate::wafer::{Droop, DroopRow};
@@ -116,21 +116,7 @@ fn motion(random: &mut TestRng, cell: &Cell, tilt_max: f64, round: usize) -> Tra
         let stays = [false, axis < RODS, axis >= RODS][round / 2 % 3];
         *to = if stays { *from } else { from + fraction * (*to - from) };
     }
-    let step = Step {
-        instruction: 0,
-        place: SourceLocation::default(),
-        phase: Phase::Move,
-        from,
-        to,
-        path: Path::PointToPoint,
-        speed_scaling: 1.0,
-        blend_radius: 0.0,
-        postures: None,
-        line_speed: None,
-        loaded: cell.loaded_effectors.clone(),
-        handoff: None,
-        slot: None,
-    };
+    let step = Step { loaded: cell.loaded_effectors.clone(), ..common::step(0, &from, &to) };
     if round.is_multiple_of(5) {
         joint_space_line(step)
     } else {

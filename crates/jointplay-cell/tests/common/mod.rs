@@ -1,12 +1,17 @@
-//! Robots of every kind that the inverse kinematics distinguishes, and a cell around one.
+//! Robots of every kind that the inverse kinematics distinguishes, a cell around one, and its stations and steps.
+#![allow(dead_code, reason = "each test uses some of them")]
 
+use jointplay_cell::program::{Path, Phase, SourceLocation, Step};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
 };
+use jointplay_cell::station::teach::FrameUncertainty;
+use jointplay_cell::station::{Approach, Origin, Station, Stroke};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::{Gpr, Limb};
+use jointplay_core::spatial::Pose;
 
 use AxisKind::{Linear, Rotary};
 
@@ -182,5 +187,44 @@ pub(crate) fn cell(robot: HybridRobot) -> Cell {
         plane_threshold: 1e-6,
         coverage_factor: 2.0,
         tolerances: jointplay_cell::displacement::Tolerances::default(),
+    }
+}
+
+/// A station of one slot, which the first effector enters along radial lines.
+pub(crate) fn station(name: &str, base_from_station: Pose) -> Station {
+    Station {
+        name: name.to_owned(),
+        base_from_station,
+        origin: Origin::Nominal,
+        uncertainty: FrameUncertainty::UNKNOWN,
+        slots: 1,
+        pitch: 0.0,
+        slot_step: [0.0; 2],
+        stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },
+        offset: [0.0; 3],
+        retract_reach: 0.0,
+        via: Vec::new(),
+        approach: Approach::Radial,
+        effectors: vec![A],
+        process_time: 0.0,
+    }
+}
+
+/// A point-to-point motion of the robot, whose first effector carries a wafer, in line 10 plus the number of its instruction.
+pub(crate) fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
+    Step {
+        instruction,
+        place: SourceLocation { line: instruction + 10, column: 1 },
+        phase: Phase::Move,
+        from: from.to_vec(),
+        to: to.to_vec(),
+        path: Path::PointToPoint,
+        speed_scaling: 1.0,
+        blend_radius: 0.0,
+        postures: None,
+        line_speed: None,
+        loaded: vec![A],
+        handoff: None,
+        slot: None,
     }
 }
