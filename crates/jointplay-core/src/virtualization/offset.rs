@@ -1,8 +1,6 @@
 //! A displacement of each socket in polar coordinates about its nominal place.
 
-use nalgebra::Vector2;
-
-use super::polar::turned;
+use super::polar::{polar_velocities, turned};
 use super::{BuiltIn, Platform, Sockets, VirtualJoint, VirtualJointKind, Virtualization};
 
 /// Sockets displaced by dr_k in the direction β_k + dφ_k: p_k = r_k u(β_k) + dr_k u(β_k + dφ_k).
@@ -45,11 +43,6 @@ impl Virtualization for Offset {
 
     #[inline]
     fn socket_velocities(&self, platform: &Platform, x: &[f64], velocities: &mut [Sockets]) {
-        velocities.fill(Sockets::default());
-        for k in 0..3 {
-            let direction = turned(&platform.directions()[k], x[3 + k]);
-            velocities[k][k] = direction;
-            velocities[3 + k][k] = Vector2::new(-direction.y, direction.x) * x[k];
-        }
+        polar_velocities(platform, x, velocities);
     }
 }

@@ -44,12 +44,18 @@ impl Virtualization for Polar {
 
     #[inline]
     fn socket_velocities(&self, platform: &Platform, x: &[f64], velocities: &mut [Sockets]) {
-        velocities.fill(Sockets::default());
-        for k in 0..3 {
-            let direction = turned(&platform.directions()[k], x[3 + k]);
-            velocities[k][k] = direction;
-            velocities[3 + k][k] = Vector2::new(-direction.y, direction.x) * x[k];
-        }
+        polar_velocities(platform, x, velocities);
+    }
+}
+
+/// Derivatives of x_k u(β_k + x_(3+k)) by all x.
+#[inline]
+pub(super) fn polar_velocities(platform: &Platform, x: &[f64], velocities: &mut [Sockets]) {
+    velocities.fill(Sockets::default());
+    for k in 0..3 {
+        let direction = turned(&platform.directions()[k], x[3 + k]);
+        velocities[k][k] = direction;
+        velocities[3 + k][k] = Vector2::new(-direction.y, direction.x) * x[k];
     }
 }
 
