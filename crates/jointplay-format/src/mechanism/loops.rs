@@ -10,9 +10,9 @@ use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::problem::{Errors, Problem};
 use super::read::FALLBACK_UNITS;
-use super::tree::{Entry, Reader, Table};
+use super::tree::{Entry, Table};
 use super::values::Values;
-use crate::toml_reader::parameters;
+use crate::toml_reader::{parameters, read_document};
 
 /// The `kind` of a loop closure file.
 const KIND: &str = "loops";
@@ -51,22 +51,18 @@ const KIND: &str = "loops";
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn with_loops(chain: &Mechanism, text: &str) -> Result<Mechanism, Errors> {
-    let reader = Reader::new(text);
-    if !reader.has_at_most(MAX_BYTES) {
-        return reader.done(None);
-    }
-    let document = reader.parse();
-    let top = Table::new(&reader, "a file of loops", document.get_ref(), 0..0);
-    if !reader.is_clean() || has_other_kind(&top, KIND) {
-        return reader.done(None);
-    }
-    if chain.loops() > 0 {
-        top.report_at("kind", Problem::HasLoops { found: chain.loops() });
-        return reader.done(None);
-    }
-    let closed = closed(chain, &top);
-    top.finish();
-    reader.done(closed)
+    read_document(text, MAX_BYTES, "a file of loops", |top| {
+        if !top.reader.is_clean() || has_other_kind(top, KIND) {
+            return None;
+        }
+        if chain.loops() > 0 {
+            top.report_at("kind", Problem::HasLoops { found: chain.loops() });
+            return None;
+        }
+        let closed = closed(chain, top);
+        top.finish();
+        closed
+    })
 }
 
 fn closed(chain: &Mechanism, top: &Table) -> Option<Mechanism> {

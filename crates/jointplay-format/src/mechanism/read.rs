@@ -10,12 +10,13 @@ use super::header::{MAX_BYTES, has_other_kind, units};
 use super::joint::{Links, joint};
 use super::names::{printable_name, prose};
 use super::problem::{Errors, Problem};
-use super::tree::{Entry, Reader, Table};
+use super::tree::{Entry, Table};
 use super::values::{LengthUnit, Units, Values};
 use super::virtual_joint::{Joints, virtual_joint};
 use crate::expression::AngleUnit;
 use crate::file_problem::FileProblem;
 use crate::toml_reader::parameters::{self, Parameters};
+use crate::toml_reader::read_document;
 
 /// A mechanism as read.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,18 +68,14 @@ pub fn parse(text: &str) -> Result<MechanismFile, Errors> {
 /// # Errors
 /// As [`parse`], and if the file has no parameter of a name.
 pub fn parse_with(text: &str, replaced: &[(String, f64)]) -> Result<MechanismFile, Errors> {
-    let reader = Reader::new(text);
-    if !reader.has_at_most(MAX_BYTES) {
-        return reader.done(None);
-    }
-    let document = reader.parse();
-    let top = Table::new(&reader, "a mechanism", document.get_ref(), 0..0);
-    if !reader.is_clean() || has_other_kind(&top, "mechanism") {
-        return reader.done(None);
-    }
-    let file = read(&top, replaced);
-    top.finish();
-    reader.done(file)
+    read_document(text, MAX_BYTES, "a mechanism", |top| {
+        if !top.reader.is_clean() || has_other_kind(top, "mechanism") {
+            return None;
+        }
+        let file = read(top, replaced);
+        top.finish();
+        file
+    })
 }
 
 /// Units that allow the widest range, for the numbers of a file without valid units.

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use super::file::StudyFile;
 use super::sources::Sources;
-use super::tree::{Reader, Table};
+use super::tree::Table;
 use super::{Errors, Problem, cell_study, mechanism_study, platform};
+use crate::toml_reader::read_document;
 
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
@@ -18,25 +19,20 @@ pub const MAX_BYTES: usize = 1_000_000;
 /// # Errors
 /// All errors in the order of their places: invalid TOML, missing and unknown keys, unknown names, values out of range.
 pub fn parse(text: &str, sources: &mut Sources) -> Result<StudyFile, Errors> {
-    let reader = Reader::new(text);
-    if !reader.has_at_most(MAX_BYTES) {
-        return reader.done(None);
-    }
-    let document = reader.parse();
-    let top = Table::new(&reader, "a study", document.get_ref(), 0..0);
-    if !reader.is_clean() || has_other_kind(&top) {
-        return reader.done(None);
-    }
-    let mut files = BTreeMap::new();
-    let mut recorded = |name: &str| {
-        let bytes = sources(name)?;
-        files.insert(name.to_owned(), bytes.clone());
-        Ok(bytes)
-    };
-    let study = read(&top, text, &mut recorded);
-    let study = study.map(|study| StudyFile { files, ..study });
-    top.finish();
-    reader.done(study)
+    read_document(text, MAX_BYTES, "a study", |top| {
+        if !top.reader.is_clean() || has_other_kind(top) {
+            return None;
+        }
+        let mut files = BTreeMap::new();
+        let mut recorded = |name: &str| {
+            let bytes = sources(name)?;
+            files.insert(name.to_owned(), bytes.clone());
+            Ok(bytes)
+        };
+        let study = read(top, text, &mut recorded);
+        top.finish();
+        study.map(|study| StudyFile { files, ..study })
+    })
 }
 
 /// Whether the file names another kind, which is reported; the keys of such a file are not checked.

@@ -2,6 +2,7 @@
 //!
 //! `P` is the problem type of a file, which includes the common ones by [`From`]`<`[`FileProblem`](crate::file_problem::FileProblem)`>`.
 
+mod document;
 mod expressions;
 pub(crate) mod parameters;
 mod range;
@@ -9,6 +10,7 @@ mod reader;
 mod source;
 mod table;
 
+pub use document::read_document;
 pub use range::{AllowedRange, LARGEST};
 pub use reader::Reader;
 pub use source::Inclusion;

@@ -19,5 +19,5 @@ pub(crate) use format_spec::{Kind, Value};
 pub(crate) use output::{Output, OutputFormat};
 pub use problem::Problem;
 pub(crate) use template::{Decimals, Names, Template};
-pub(crate) use template_table::{MOST_DECIMALS, TemplateTable};
+pub(crate) use template_table::TemplateTable;
 pub(crate) use tree::{Reader, Table};

@@ -9,7 +9,7 @@ use super::template::{Decimals, Names, Template};
 use super::tree::Table;
 
 /// Largest number of decimals.
-pub(crate) const MOST_DECIMALS: usize = 12;
+const MOST_DECIMALS: usize = 12;
 
 /// A table with what its templates need.
 pub(crate) struct TemplateTable<'t, 'r, 'a> {
@@ -17,7 +17,16 @@ pub(crate) struct TemplateTable<'t, 'r, 'a> {
     pub(crate) decimals: Decimals,
 }
 
-impl TemplateTable<'_, '_, '_> {
+impl<'t, 'r, 'a> TemplateTable<'t, 'r, 'a> {
+    /// The top table of a file, with its keys `decimals` and `time_decimals`, and whether these are valid; templates are also checked where they are not.
+    pub(crate) fn of_file(top: &'t Table<'r, 'a>) -> (Self, bool) {
+        let decimals = |key| top.needed(key)?.count(top.reader, 0, MOST_DECIMALS);
+        let (values, times) = (decimals("decimals"), decimals("time_decimals"));
+        let are_valid = values.is_some() && times.is_some();
+        let decimals = Decimals { values: values.unwrap_or(0), times: times.unwrap_or(0) };
+        (Self { top, decimals }, are_valid)
+    }
+
     pub(crate) fn template(&self, entry: &Entry<'_, '_>, names: &Names) -> Option<Template> {
         let reader = self.top.reader;
         let text = entry.text(reader)?;
@@ -59,8 +68,18 @@ impl TemplateTable<'_, '_, '_> {
         keeps
     }
 
-    /// The table `[output]`.
-    pub(crate) fn output(&self) -> Option<OutputFormat> {
+    /// The table `[output]` of a file, or the format of files without one.
+    pub(crate) fn output_or_default(&self) -> Option<OutputFormat> {
+        let Some(table) = self.top.table("output", "`[output]`") else {
+            return Some(OutputFormat::default());
+        };
+        let output = TemplateTable { top: &table, decimals: self.decimals }.output();
+        table.finish();
+        output
+    }
+
+    /// The entries of the table `[output]`.
+    fn output(&self) -> Option<OutputFormat> {
         let (top, reader) = (self.top, self.top.reader);
         let checksum = |key| {
             let word = |entry: Entry<'_, '_>| entry.word(reader, "checksum", &Checksum::ALL);

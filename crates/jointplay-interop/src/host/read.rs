@@ -3,14 +3,15 @@
 use jointplay_cell::robot::AxisKind;
 use jointplay_format::place::Errors;
 use jointplay_format::program;
+use jointplay_format::toml_reader::read_document;
 
 use super::command::{ACTIONS, Action, CommandRule, Effect};
 use super::field::{FieldKind, IDENTIFIER, UNIT};
 use super::language::{Answers, HostLanguage, InputFormat, NEUTRAL};
 use super::pattern::Pattern;
 use crate::controller_text::{
-    AxisFormat, Checksum, Codes, CommandProblem, Decimals, Kind, MOST_DECIMALS, Names,
-    OutputFormat, Problem, Reader, Table, Template, TemplateTable, Value,
+    AxisFormat, Checksum, Codes, CommandProblem, Decimals, Kind, Names, Problem, Table, Template,
+    TemplateTable, Value,
 };
 
 /// Longest accepted file of a host language (bytes).
@@ -44,15 +45,11 @@ impl HostLanguage {
     /// # Errors
     /// All errors in the order of their places, at least one: invalid TOML, missing and unknown keys, unknown fields and names, commands without effect, programs that do not parse.
     pub fn parse(text: &str) -> Result<Self, Errors<Problem>> {
-        let reader = Reader::new(text);
-        if !reader.has_at_most(MAX_BYTES) {
-            return reader.done(None);
-        }
-        let document = reader.parse();
-        let top = Table::new(&reader, "a host language", document.get_ref(), 0..0);
-        let language = read(&top);
-        top.finish();
-        reader.done(language)
+        read_document(text, MAX_BYTES, "a host language", |top| {
+            let language = read(top);
+            top.finish();
+            language
+        })
     }
 
     /// The neutral language.
@@ -66,11 +63,8 @@ fn read(top: &Table<'_, '_>) -> Option<HostLanguage> {
     let reader = top.reader;
     let text = |key| top.needed(key)?.text(reader).map(str::to_owned);
     let (name, about) = (text("name"), text("about"));
-    let decimals = |key| top.needed(key)?.count(reader, 0, MOST_DECIMALS);
-    let (values, times) = (decimals("decimals"), decimals("time_decimals"));
-    // Templates are also checked where the decimals are invalid.
-    let decimals = Decimals { values: values.unwrap_or(0), times: times.unwrap_or(0) };
-    let file = TemplateTable { top, decimals };
+    let (file, are_decimals_valid) = TemplateTable::of_file(top);
+    let decimals = file.decimals;
     let axis = AxisFormat::read(&file);
     let effector = file.required("effector", &Names::new(&EFFECTOR));
     let slot = file.required("slot", &Names::new(&SLOT));
@@ -94,14 +88,7 @@ fn read(top: &Table<'_, '_>) -> Option<HostLanguage> {
             None
         }
     };
-    let output = match top.table("output", "`[output]`") {
-        Some(table) => {
-            let output = TemplateTable { top: &table, decimals }.output();
-            table.finish();
-            output
-        }
-        None => Some(OutputFormat::default()),
-    };
+    let output = file.output_or_default();
     let input = match top.table("input", "`[input]`") {
         Some(table) => {
             let input = input(&TemplateTable { top: &table, decimals });
@@ -110,8 +97,9 @@ fn read(top: &Table<'_, '_>) -> Option<HostLanguage> {
         }
         None => Some(InputFormat::default()),
     };
-    values?;
-    times?;
+    if !are_decimals_valid {
+        return None;
+    }
     Some(HostLanguage {
         name: name?,
         about: about?,

@@ -4,11 +4,12 @@ use jointplay_cell::robot::{Arm, Axis, HybridRobot, RODS, RobotPart};
 
 use super::super::explain::explain as explain_cell;
 use super::super::problem::{Errors, Fault};
-use super::super::tree::{Reader, Table};
+use super::super::tree::Table;
 use super::arm::read_arm;
 use super::axes::{motor, report_duplicate_names, rod_axes};
 use super::base::{platform, three_rods};
 use super::words::{KIND, ROD_NAMES};
+use crate::toml_reader::read_document;
 
 /// Longest accepted text (bytes).
 const MAX_BYTES: usize = 1_000_000;
@@ -18,15 +19,10 @@ const MAX_BYTES: usize = 1_000_000;
 /// # Errors
 /// All errors of the file, in order of place.
 pub fn parse(text: &str) -> Result<HybridRobot, Errors> {
-    let reader = Reader::new(text);
-    if !reader.has_at_most(MAX_BYTES) {
-        return reader.done(None);
-    }
-    let file = reader.parse();
-    let table = Table::new(&reader, "the robot", file.get_ref(), 0..0);
-    let _ = table.needed("kind");
-    let robot = from_table(&table);
-    reader.done(robot)
+    read_document(text, MAX_BYTES, "the robot", |table| {
+        let _ = table.needed("kind");
+        from_table(table)
+    })
 }
 
 /// Reads a robot from a table, of a file of its own or of a cell file, with its contradictions checked.

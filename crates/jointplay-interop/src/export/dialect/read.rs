@@ -1,14 +1,13 @@
 //! Reader of dialect files.
 
 use jointplay_format::place::Errors;
-use jointplay_format::toml_reader::Entry;
+use jointplay_format::toml_reader::{Entry, read_document};
 
 use super::included::DIALECTS;
 use super::language::{Dialect, Motions};
 use super::pose::POSE;
 use crate::controller_text::{
-    AxisFormat, Codes, Decimals, Kind, MOST_DECIMALS, Names, OutputFormat, Problem, Reader, Table,
-    TemplateTable,
+    AxisFormat, Codes, Kind, Names, Problem, Reader, Table, TemplateTable,
 };
 
 /// Longest accepted dialect file (bytes).
@@ -51,15 +50,11 @@ impl Dialect {
     /// # Errors
     /// All errors in the order of their places, at least one: invalid TOML, missing and unknown keys, unknown names and units, motions described in no manner or in two.
     pub fn parse(text: &str) -> Result<Self, Errors<Problem>> {
-        let reader = Reader::new(text);
-        if !reader.has_at_most(MAX_BYTES) {
-            return reader.done(None);
-        }
-        let document = reader.parse();
-        let top = Table::new(&reader, "a dialect", document.get_ref(), 0..0);
-        let dialect = read(&top);
-        top.finish();
-        reader.done(dialect)
+        read_document(text, MAX_BYTES, "a dialect", |top| {
+            let dialect = read(top);
+            top.finish();
+            dialect
+        })
     }
 
     /// The neutral dialect.
@@ -74,11 +69,7 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
     let text = |key| top.needed(key)?.text(reader).map(str::to_owned);
     let (name, about) = (text("name"), text("about"));
     let extension = top.needed("extension").and_then(|entry| extension(reader, &entry));
-    let decimals = |key| top.needed(key)?.count(reader, 0, MOST_DECIMALS);
-    let (values, times) = (decimals("decimals"), decimals("time_decimals"));
-    // Templates are also checked where the decimals are invalid.
-    let decimals = Decimals { values: values.unwrap_or(0), times: times.unwrap_or(0) };
-    let file = TemplateTable { top, decimals };
+    let (file, are_decimals_valid) = TemplateTable::of_file(top);
     let station_codes = Codes::read(top, "station_codes");
     let effector_codes = Codes::read(top, "effector_codes");
     let kind = |codes: &Option<Codes>| codes.as_ref().map(|codes| codes.kind);
@@ -110,21 +101,15 @@ fn read(top: &Table<'_, '_>) -> Option<Dialect> {
     let taken = file.list("taken", &handoff);
     let left = file.list("left", &handoff);
     let end = file.list("end", &with_poses(Names::new(&ENDS)));
-    let output = match top.table("output", "`[output]`") {
-        Some(table) => {
-            let output = TemplateTable { top: &table, decimals }.output();
-            table.finish();
-            output
-        }
-        None => Some(OutputFormat::default()),
-    };
-    values?;
-    times?;
+    let output = file.output_or_default();
+    if !are_decimals_valid {
+        return None;
+    }
     Some(Dialect {
         name: name?,
         about: about?,
         extension: extension?,
-        time_decimals: decimals.times,
+        time_decimals: file.decimals.times,
         axis: axis?,
         pose: pose?,
         comment: comment?,

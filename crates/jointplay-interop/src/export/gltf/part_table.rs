@@ -2,7 +2,7 @@
 
 use jointplay_format::file_problem::FileProblem;
 use jointplay_format::place::Errors;
-use jointplay_format::toml_reader::{Reader, Table};
+use jointplay_format::toml_reader::{Table, read_document};
 
 use super::parts_file::UpAxis;
 
@@ -39,18 +39,14 @@ impl PartTable {
     /// # Errors
     /// All errors in the order of their places, at least one.
     pub fn parse(text: &str) -> Result<Self, Errors<FileProblem>> {
-        let reader: Reader<'_, FileProblem> = Reader::new(text);
-        if !reader.has_at_most(MAX_BYTES) {
-            return reader.done(None);
-        }
-        let document = reader.parse();
-        let top = Table::new(&reader, "a table of parts", document.get_ref(), 0..0);
-        let kind = top.needed("kind");
-        let kind = kind.and_then(|kind| kind.word(&reader, "the kind", &[(KIND, ())]));
-        let up = top.entry("up").and_then(|entry| entry.word(&reader, "the axis", &AXES));
-        let parts = links(&top);
-        top.finish();
-        reader.done(kind.map(|()| Self { up, parts }))
+        read_document(text, MAX_BYTES, "a table of parts", |top| {
+            let kind = top.needed("kind");
+            let kind = kind.and_then(|kind| kind.word(top.reader, "the kind", &[(KIND, ())]));
+            let up = top.entry("up").and_then(|entry| entry.word(top.reader, "the axis", &AXES));
+            let parts = links(top);
+            top.finish();
+            kind.map(|()| Self { up, parts })
+        })
     }
 }
 
