@@ -1,4 +1,4 @@
-//! What the comparisons need: golden tables, the paper's print as code, and independent geometry.
+//! Golden tables, the paper's print as code, and independent geometry, for the comparisons.
 //!
 //! | module | holds |
 //! | --- | --- |

@@ -1,4 +1,4 @@
-//! What happens to a solver that starts at the last pose instead of the nominal one.
+//! Solutions of a solver that starts at the last pose instead of the nominal one.
 
 use jointplay::gpr::{AxisHeight, Gpr, ball_sides};
 use jointplay::linalg::least_norm_of_three;

@@ -1,4 +1,4 @@
-//! What the paper prints or concludes and should not: each printed form fails here, each right one holds.
+//! Errors of the paper: each printed form fails here, each correct one holds.
 //!
 //! The story to these tests, with figures: `docs/explanation/errata.md`.
 

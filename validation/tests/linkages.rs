@@ -435,7 +435,7 @@ fn orthoglide_slides_of_a_point() {
     }
 }
 
-/// What the bars of one kind are once they have turned, seen from the base of a drawing with parameters t, c0 and c1.
+/// Bars of one kind after they have turned, seen from the base of a drawing with parameters t, c0 and c1.
 struct Bars {
     near: Vector2<f64>,
     far: Vector2<f64>,

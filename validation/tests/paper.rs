@@ -1,4 +1,4 @@
-//! What the paper's text claims, one test for each claim; section and equation in the comment.
+//! Claims of the paper's text, one test for each; section and equation in the comment.
 //!
 //! Claims that do not hold are in `errata.rs`.
 

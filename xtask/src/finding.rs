@@ -9,7 +9,7 @@ pub(crate) struct Finding {
     pub(crate) path: String,
     /// Line, counted from 1; 1 when the whole file is meant.
     pub(crate) line: usize,
-    /// What was found, and what was expected.
+    /// Values found and expected.
     pub(crate) message: String,
 }
 

@@ -164,7 +164,7 @@ fn raw_string_length(text: &str) -> Option<usize> {
     Some(body.find(&close).map_or(text.len(), |at| hashes + 1 + at + close.len()))
 }
 
-/// What the apostrophe at the start of `text` opens: a character literal, or a lifetime.
+/// The part that the apostrophe at the start of `text` opens: a character literal, or a lifetime.
 fn character_or_lifetime(text: &str) -> (usize, Part) {
     let mut after = text.chars().skip(1);
     match (after.next(), after.next()) {

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything a change must pass, stopping at the first failure.
 //!
 //! Quick steps come first; while the others compile, what they need from the network is fetched. Benches are compiled by clippy's `--all-targets`.
-//! What runs other programs comes last, some of it at the same time: the tests of the page wait for pictures, and those of Python for answers.
+//! Steps that run other programs are last, some of them at the same time: the tests of the page wait for pictures, and those of Python for answers.
 
 mod ahead;
 mod concurrent;
@@ -24,7 +24,7 @@ struct Step {
     arguments: Vec<String>,
     /// Environment of this step alone.
     environment: Option<(&'static str, &'static str)>,
-    /// What to do when it fails.
+    /// Advice for a failure.
     cure: String,
 }
 
@@ -45,7 +45,7 @@ impl Step {
 /// The folder of the examples.
 const EXAMPLES: &str = "crates/jointplay/examples";
 
-/// What a user types before an example's name.
+/// Arguments of cargo before the name of an example.
 const EXAMPLE: &str = "run -p jointplay --example ";
 
 /// Random cases are the same in each run, so that a failure speaks of the change; `cargo test` alone draws new ones.

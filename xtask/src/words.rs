@@ -43,7 +43,7 @@ struct Rule {
     /// Parts of identifiers, separated by `|`.
     #[serde(default)]
     name: String,
-    /// What to write instead.
+    /// Replacement.
     write: String,
 }
 

@@ -21,7 +21,7 @@ use crate::work::Work;
 pub(crate) const HEIGHT: f64 = 0.5;
 /// ρ of the metric in which virtual joints are least (m).
 const METRIC: f64 = 1e-3;
-/// What counts as solved: the largest gap between a socket and its ball (m).
+/// Largest gap between a socket and its ball that counts as solved (m).
 const GAP: f64 = 1e-12;
 /// Coordinates of the rods in the graph.
 pub(crate) const RODS: [usize; 3] = [0, 1, 2];
@@ -69,7 +69,7 @@ pub(crate) fn text() -> String {
     text
 }
 
-/// What counts as solved, as a share of the longest side; and the metric.
+/// Options with the tolerance as a share of the longest side, and the metric.
 pub(crate) fn options(gpr: &Gpr, solver: Solver) -> SolveOptions {
     let side = gpr.platform().mean_radius() * 3_f64.sqrt();
     SolveOptions {

@@ -14,7 +14,7 @@ use crate::work::Work;
 
 /// Positions along the drive.
 const STEPS: usize = 200;
-/// What counts as solved: the largest gap of a point (m), and of the direction of an axis.
+/// Largest gap that counts as solved, of a point (m) and of the direction of an axis.
 const GAP: f64 = 1e-13;
 
 /// Mechanisms that every program can model, and the displacement of their drives in either direction (m or rad).

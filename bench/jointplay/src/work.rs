@@ -1,4 +1,4 @@
-//! What each benchmark implements.
+//! Interface of the benchmarks.
 
 /// Work that is solved repeatedly.
 pub(crate) trait Work {

@@ -1,4 +1,4 @@
-//! What every entry does around its work: catch panics, store the error, return the code.
+//! Frame of every entry: catches panics, stores the error, and returns the code.
 
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};

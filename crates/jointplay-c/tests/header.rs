@@ -35,7 +35,7 @@ fn the_header_is_that_of_the_source() {
     assert!(read("include/jointplay.h") == header, "include/jointplay.h is stale: {advice}");
 }
 
-/// What a function returns, or an argument, whatever the language.
+/// Type of a result or an argument, independent of the language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Type {
     Nothing,

@@ -85,7 +85,7 @@ pub enum CellError {
     /// Something is named by an index that it does not have.
     #[error("{what} refers to {kind} {index}, but they are {min} to {max}, counted from 0")]
     NoSuch {
-        /// What refers.
+        /// The part that refers.
         what: String,
         /// To which kind of thing.
         kind: &'static str,
@@ -211,7 +211,7 @@ pub enum CellError {
         normal[0], normal[1], normal[2]
     )]
     NormalNotUp {
-        /// What was given.
+        /// The given normal.
         normal: [f64; 3],
     },
     /// The robot under the platform cannot be computed.

@@ -100,7 +100,7 @@ pub enum Error {
     /// A quantity that a pose does not have.
     #[error("there is no {what} {index}: they are counted from 0, and there are {count}")]
     NoSuchQuantity {
-        /// What was asked for.
+        /// Requested quantity.
         what: &'static str,
         /// Which of them, counted from 0.
         index: usize,
@@ -183,7 +183,7 @@ pub enum Error {
         "the mechanism has {found} {what}, but at most {allowed} are taken here: these matrices are dense, and their cost grows with the cube; mobility, closing and driving have sparse algebra for more"
     )]
     TooLarge {
-        /// What there is too much of.
+        /// Name of the parts that are too many.
         what: &'static str,
         /// How many there are.
         found: usize,
@@ -195,7 +195,7 @@ pub enum Error {
         "loops and couplings connect too many parts of the mechanism: at least {found} {what}, but at most {allowed} are computed"
     )]
     TooConnected {
-        /// What there is too much of.
+        /// Name of the parts that are too many.
         what: &'static str,
         /// How many were found; there may be more.
         found: usize,

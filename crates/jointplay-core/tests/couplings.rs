@@ -394,7 +394,7 @@ fn contradictory_couplings_are_named() {
     assert!(message.contains("; coupling \"") && !message.contains("loop"), "{message}");
 }
 
-/// What is worst is named alone, and a loop that is closed to round-off is not.
+/// The worst violation is named alone, and a loop that is closed to round-off is not.
 #[test]
 fn the_worse_of_an_open_loop_and_a_violated_coupling_is_named() {
     // A parallelogram cannot close if its coupler is too long; two brakes hold one crank.

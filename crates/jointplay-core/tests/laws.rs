@@ -1,4 +1,4 @@
-//! What every robot obeys, whatever its dimensions.
+//! Laws of every robot, of any dimensions.
 
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::gpr::{

@@ -63,7 +63,7 @@ fn analysed(mechanism: &Mechanism) -> MechanismMobility {
     mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap()
 }
 
-/// What has to be found: mobility of first order, finite mobility, dimensions of the branches.
+/// Compares the instantaneous mobility, the finite mobility and the dimensions of the branches.
 #[track_caller]
 fn check(drawing: Drawing, first: usize, finite: usize, branches: &[usize]) {
     let found = analysed(&drawing.mechanism());

@@ -154,7 +154,7 @@ impl System for Bars {
     }
 }
 
-/// What is known and what has to be found.
+/// Known and expected mobilities.
 struct Expect {
     instantaneous: usize,
     /// The true dimension of the configurations near, by thought.

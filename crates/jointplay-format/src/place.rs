@@ -183,7 +183,7 @@ pub fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
 }
 
-/// That a name is none of the known ones, with the one most like it.
+/// Message for an unknown name, with the most similar known one.
 #[must_use]
 pub fn not_known(what: &str, found: &str, known: &[String]) -> String {
     let nearest = nearest(found, known.iter().map(String::as_str));

@@ -267,7 +267,7 @@ fn dimensions_that_do_not_close_displace_virtual_joints() {
     assert_eq!(statuses_of(&none), ["dimensions that make no mechanism"; 2]);
 }
 
-/// What is followed in long steps is where the motion with its singular values leads.
+/// Positions that are followed in long steps are those of the motion with its singular values.
 #[test]
 fn positions_far_away_are_those_of_the_motion() {
     for name in

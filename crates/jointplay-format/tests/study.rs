@@ -144,7 +144,7 @@ fn differences_of_two_studies_name_their_key() {
     assert!(columns.len() == 1 && columns[0].starts_with("columns: "), "{columns:?}");
 }
 
-/// What studies are made of, and what they are not.
+/// Words of studies, valid and invalid.
 const WORDS: [&str; 36] = [
     "kind",
     "=",

@@ -31,7 +31,7 @@ fn read(written: &Written) -> Mechanism {
     saved(&imported.unwrap())
 }
 
-/// What a mechanism file of an imported model is read as.
+/// The mechanism that is read from a mechanism file of an imported model.
 fn saved(imported: &Imported) -> Mechanism {
     let text = mechanism::write(&imported.mechanism, None);
     let found = mechanism::parse(&text).map_err(|errors| format!("{errors}\n{text}")).unwrap();

@@ -92,7 +92,7 @@ impl PyCellPlan {
         distances.reduce(f64::min)
     }
 
-    /// What `jointplay cell check --format json` prints, with the units that its names carry.
+    /// The document of `jointplay cell check --format json`, with the units that its names carry.
     ///
     /// Parameters
     /// ----------

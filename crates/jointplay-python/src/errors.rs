@@ -30,7 +30,7 @@ pub(crate) fn input(py: Python<'_>, message: &str) -> PyErr {
     new(py, "InputError", message, Ok(PyDict::new(py)))
 }
 
-/// That a name is none of the known ones.
+/// Error for an unknown name, with the known ones.
 pub(crate) fn unknown_name(py: Python<'_>, what: &str, found: &str, known: &[String]) -> PyErr {
     let message = place::not_known(what, found, known);
     let facts = || Ok(fields!(py; what = what, name = found, known = known.to_vec()));
@@ -212,7 +212,7 @@ pub(crate) fn parts(py: Python<'_>, error: &PartsError) -> PyErr {
     }
 }
 
-/// That a configuration of a mechanism is beyond joint limits, with the result that has it.
+/// Error for a configuration of a mechanism beyond joint limits, with the result that has it.
 pub(crate) fn beyond_limits(
     py: Python<'_>,
     limits: &[jointplay::report::LimitReport],
@@ -227,7 +227,7 @@ pub(crate) fn beyond_limits(
     new(py, "JointLimitsError", &message, facts())
 }
 
-/// That a program has no trajectory, with line, column and message of each reason.
+/// Error for a program without a trajectory, with line, column and message of each reason.
 pub(crate) fn planning(py: Python<'_>, label: &str, reasons: &[(usize, usize, String)]) -> PyErr {
     let lines: Vec<String> = reasons
         .iter()

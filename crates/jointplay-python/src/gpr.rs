@@ -21,7 +21,7 @@ use crate::{errors, own_virtualization};
 /// Larger robot files are refused unread, in bytes.
 const LARGEST_ROBOT_FILE: u64 = 1_000_000;
 
-/// What rods have to be, for messages.
+/// Allowed rods, for messages.
 pub(crate) const RODS: &str = "three rod lengths or an array of shape (..., 3) in metres";
 
 /// A three-rod robot, a GPR.
@@ -180,7 +180,7 @@ impl PyGpr {
         Self::parse(py, text, "text")
     }
 
-    /// What its file calls it.
+    /// Name of the robot.
     #[getter]
     fn name(&self) -> &str {
         &self.name

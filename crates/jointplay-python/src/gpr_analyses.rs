@@ -1,4 +1,4 @@
-//! What the three-rod robot is asked besides its poses.
+//! Analyses of the three-rod robot.
 
 use jointplay::gpr::AxisHeight;
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};

@@ -62,7 +62,7 @@ fn in_parts(
     Ok(sum)
 }
 
-/// What is asked for, and arrays to write it into.
+/// Requested quantities, and arrays to write them into.
 pub(crate) struct Wanted<'a, 'py> {
     pub(crate) quantities: Option<&'a Bound<'py, PyAny>>,
     pub(crate) out: Option<&'a Bound<'py, PyDict>>,

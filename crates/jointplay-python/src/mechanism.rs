@@ -184,7 +184,7 @@ impl PyMechanism {
         Self::parse(py, entry.text.to_owned(), name, replaced(parameters)?)
     }
 
-    /// What it calls itself.
+    /// Name of the mechanism.
     #[getter]
     fn name(&self) -> &str {
         self.file.mechanism.name()

@@ -1,4 +1,4 @@
-//! What any mechanism is asked.
+//! Analyses of any mechanism.
 
 use jointplay::bulk::{Status, StatusCounts};
 use jointplay::constraint::System as _;

@@ -1,4 +1,4 @@
-//! What is found of a mechanism, as results of Python.
+//! Results of mechanisms, as objects of Python.
 
 use jointplay::constraint::System as _;
 use jointplay::mechanism::{

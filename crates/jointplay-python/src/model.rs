@@ -84,7 +84,7 @@ impl Model {
         }
     }
 
-    /// What was found, or what to raise.
+    /// The result, or the exception to raise.
     pub(crate) fn checked<T>(
         &self,
         py: Python<'_>,
@@ -96,7 +96,7 @@ impl Model {
         }
     }
 
-    /// What a virtualization written in Python raised meanwhile.
+    /// Exception that a virtualization written in Python raised meanwhile.
     pub(crate) fn raised(&self) -> Option<PyErr> {
         match self {
             Self::Own(own) => own.raised(),
@@ -152,7 +152,7 @@ fn metric_of(given: &Bound<'_, PyAny>) -> PyResult<Metric> {
     Err(errors::new(py, "ArgumentTypeError", &message, Ok(pyo3::types::PyDict::new(py))))
 }
 
-/// What a pose remembers of the virtualization that it was found with.
+/// Names of the virtualization of a pose.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct ModelNames {
     /// Its name.

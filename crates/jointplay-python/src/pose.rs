@@ -119,7 +119,7 @@ impl PyForward {
         &self.model.name
     }
 
-    /// What found the virtual joints: `'newton'`, `'least-norm'` or `'closed-form'`.
+    /// Solver that determined the virtual joints: `'newton'`, `'least-norm'` or `'closed-form'`.
     #[getter]
     fn solver(&self) -> String {
         self.pose.solution.solver.to_string()

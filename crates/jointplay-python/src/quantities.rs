@@ -1,4 +1,4 @@
-//! What can be asked of many poses, by the names of Python.
+//! Quantities of many poses, by their names in Python.
 
 use jointplay::bulk::Quantity;
 use pyo3::prelude::*;

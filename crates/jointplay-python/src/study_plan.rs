@@ -283,7 +283,7 @@ impl PyPlan {
         Ok(numbers.filter(finished).collect())
     }
 
-    /// What is finished and what is missing.
+    /// Progress of the study: parts that are finished and missing.
     fn _status<'py>(&self, py: Python<'py>, done: BTreeSet<u64>) -> PyResult<Bound<'py, PyAny>> {
         let report = study_parts::status(&self.study, &done);
         document(py, &report.map_err(|error| errors::parts(py, &error))?)

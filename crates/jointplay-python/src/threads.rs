@@ -55,7 +55,7 @@ pub(crate) fn checked_count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<usiz
     }
 }
 
-/// That a number of threads cannot be taken.
+/// Error for an invalid number of threads.
 fn refused(given: &Bound<'_, PyAny>) -> PyErr {
     let found = given.str().map(|text| text.to_string()).unwrap_or_default();
     let found: String = found.chars().take(20).collect();

@@ -25,9 +25,9 @@ pub enum Error {
     /// A number that has to be positive and finite.
     #[error("{what} is {value}, it has to be positive")]
     NotPositive {
-        /// What it is of.
+        /// Name of the quantity.
         what: &'static str,
-        /// What was found.
+        /// Value found.
         value: f64,
     },
     /// One pose cannot be computed.

@@ -1,6 +1,6 @@
 //! Who may import whom: the table.
 
-/// What one crate may import.
+/// Allowed imports of one crate.
 pub(super) struct Rule {
     /// The package's name.
     pub(super) name: &'static str,

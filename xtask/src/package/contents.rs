@@ -58,7 +58,7 @@ enum Embedded {
     FolderOfCrate(String),
 }
 
-/// What a source embeds outside its tests, with lines from 1.
+/// Files that a source embeds outside its tests, with lines from 1.
 fn embedded(text: &str) -> Vec<(usize, Embedded)> {
     // Tests are at the end of a file.
     let code = text.find("#[cfg(test)]").map_or(text, |end| &text[..end]);
@@ -84,7 +84,7 @@ fn embedded(text: &str) -> Vec<(usize, Embedded)> {
     found
 }
 
-/// What the archive lacks of an embedded file or folder; `source` is the folder of the crate in the repository.
+/// Parts of an embedded file or folder that the archive lacks; `source` is the folder of the crate in the repository.
 fn missing(
     embedded: &Embedded,
     file: &Path,

@@ -20,7 +20,7 @@ enum Destination {
 }
 
 impl Destination {
-    /// That of a file by its name.
+    /// Destination of a file by its name.
     fn of(name: &str) -> Self {
         if name.ends_with(".crate") {
             Self::CargoRegistry

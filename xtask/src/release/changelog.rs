@@ -1,6 +1,6 @@
 //! Whether the changelog has a dated section of the version.
 
-/// What to do before the version is tagged; `None` if its changes have a date and no others follow.
+/// Advice on the changelog before the version is tagged; `None` if its changes have a date and no others follow.
 pub(super) fn remark(changelog: &str, version: &str) -> Option<String> {
     let heading = format!("## {version} – ");
     let mut sections = changelog.lines().filter(|line| line.starts_with("## "));

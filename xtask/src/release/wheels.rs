@@ -10,7 +10,7 @@ use super::folders::{Folders, VERSION};
 use super::program::file_name;
 use crate::{process, python};
 
-/// What builds and checks wheels.
+/// Tools that build and check wheels.
 const TOOLS: [&str; 4] =
     ["maturin==1.16.0", "ziglang==0.17.1", "auditwheel==6.8.2", "abi3audit==0.0.26"];
 

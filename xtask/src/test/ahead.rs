@@ -1,4 +1,4 @@
-//! What steps need from the network, fetched while the steps before them compile.
+//! Downloads of the steps, made while earlier steps compile.
 //!
 //! A step that runs alone fetches it itself, and finds it there where it was fetched ahead.
 
@@ -8,7 +8,7 @@ use std::process::Command;
 use super::logged::Logged;
 use crate::{page, python};
 
-/// What each chore runs to fetch all that it needs and does not have yet.
+/// Script of each chore that downloads its dependencies where they are missing.
 const FETCHES: [(&str, &str); 5] = [
     ("cell", "validation/exported.py"),
     ("c", "crates/jointplay-c/test.py"),

@@ -1,4 +1,4 @@
-//! What both versions of the interface do.
+//! Instances of functional mock-up units, common to both versions of the interface.
 
 use std::ffi::c_int;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -33,7 +33,7 @@ struct HistoryNode {
     made: RoutedHandoff,
 }
 
-/// What states are compared by: those with equal keys continue alike.
+/// Key by which states are compared: those with equal keys continue alike.
 type Key = (Vec<u16>, Vec<Option<usize>>, Option<Signature>);
 
 pub(super) struct BeamSearch<'a> {

@@ -1,4 +1,4 @@
-//! What is known about a program while its names are resolved.
+//! State of the resolution of a program's names.
 
 use std::collections::BTreeMap;
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::program::{Handoff, Path, Step};
 use crate::trajectory::Trajectory;
 
-/// What takes time on the critical path.
+/// Resource that takes time on the critical path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Resource {
     /// Motions of the robot.

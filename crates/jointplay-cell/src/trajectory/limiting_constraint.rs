@@ -1,4 +1,4 @@
-//! What limits the duration of a step: an axis with one of its limits, a prescribed speed, or friction.
+//! Constraint that limits the duration of a step: an axis with one of its limits, a prescribed speed, or friction.
 
 use std::collections::BTreeMap;
 

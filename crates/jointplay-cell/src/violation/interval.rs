@@ -2,7 +2,7 @@
 
 use super::kind::{ViolationKind, ViolationQuantity};
 
-/// What a violation concerns, to recognize it at the next sample: a kind, and indices of the parts concerned.
+/// Subject of a violation, to recognize it at the next sample: a kind, and indices of the parts concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Subject {
     pub(crate) kind: ViolationKind,

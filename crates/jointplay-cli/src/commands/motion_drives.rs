@@ -127,7 +127,7 @@ struct Range {
     name: String,
 }
 
-/// What drives one coordinate.
+/// Drive of one coordinate.
 enum Driver {
     Range(Range),
     Curve { coordinate: usize, value: CommandValue },

@@ -320,7 +320,7 @@ fn single_text(input: &Input, commands: &[SingleCommandReport]) -> String {
     text
 }
 
-/// What may have been missed, by the lower bound and the first set.
+/// Distance of the first set from the optimum, by the lower bound.
 fn optimality(report: &SuggestReport, rank: Rank) -> String {
     let first = report.sets.first().map(|set| (set.energy_mj, set.size_mm));
     let (found, least) = match (rank, first, report.lower_bound_mj) {

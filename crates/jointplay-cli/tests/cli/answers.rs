@@ -1,4 +1,4 @@
-//! What `forward`, `inverse`, `mobility`, `sensitivity` and `compare` answer, as text and as JSON.
+//! Answers of `forward`, `inverse`, `mobility`, `sensitivity` and `compare`, as text and as JSON.
 
 use crate::sandbox::{Sandbox, three};
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! What all commands share: files, names of the catalogue, standard input, overwriting, usage errors.
+//! Behaviour common to all commands: files, names of the catalogue, standard input, overwriting, usage errors.
 
 use std::io::Write as _;
 use std::process::{Output, Stdio};

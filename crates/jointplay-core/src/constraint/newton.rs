@@ -62,7 +62,7 @@ pub(crate) fn newton_at_rank<S: System + ?Sized>(
 pub(crate) struct Gain<T> {
     /// Share of the full step.
     pub(crate) share: f64,
-    /// What the step leads to.
+    /// State after the step.
     pub(crate) there: T,
     /// The residual there.
     pub(crate) residual: f64,

@@ -260,7 +260,7 @@ impl Gpr {
     }
 }
 
-/// What was found, with the method.
+/// Solution of the closed equations, with the method.
 #[cfg(feature = "std")]
 #[inline(always)]
 pub(crate) fn solution(

@@ -143,7 +143,7 @@ impl Gpr {
         self.checks_limits
     }
 
-    /// What the kernels know of the robot.
+    /// Dimensions of the robot, for the kernels.
     #[cfg(feature = "std")]
     #[inline]
     pub(crate) fn dimensions(&self) -> &Geometry {

@@ -68,7 +68,7 @@ impl InPlane {
         Some(Self::Both { motion, forces, stiffness, compliance })
     }
 
-    /// What a limb adds to the balance of forces and moments, and to the motion in the direction that it leaves.
+    /// Contribution of a limb to the balance of forces and moments, and to the motion in the direction that it leaves free.
     #[inline(always)]
     pub(super) fn load(
         &self,

@@ -208,7 +208,7 @@ impl Gpr {
     }
 }
 
-/// What is not finite where lengths are so large or small that their products overflow or vanish.
+/// Name of the quantity that is not finite where products of lengths overflow or vanish.
 const DERIVATIVE: &str = "a derivative of the pose";
 
 #[inline]

@@ -94,7 +94,7 @@ fn clamp(coordinates: &mut DVector<f64>, free: &[usize], limits: &[Option<[f64; 
     }
 }
 
-/// What corrections from one start lead to.
+/// Result of corrections from one start.
 struct Attempt {
     closure: Option<Closure>,
     /// Whether an angle that was put on its limit is within the limits a turn away.

@@ -352,12 +352,12 @@ impl System for MechanismSystem<'_> {
         self.characteristic_length
     }
 
-    /// That of the joint frames, whose coordinates are rounded in proportion to their distance from the origin of their link.
+    /// Round-off of the joint frames, whose coordinates are rounded in proportion to their distance from the origin of their link.
     fn round_off(&self) -> f64 {
         f64::EPSILON * (self.reach / self.characteristic_length).max(1.0)
     }
 
-    /// That of the loop or coupling that is missed most.
+    /// Largest mismatch of a loop or coupling.
     fn mismatch(&self, at: &Configuration) -> f64 {
         let couplings = self.coupling_violations(at).into_iter().map(f64::abs);
         self.loop_mismatches(at).into_iter().chain(couplings).fold(0.0, f64::max)

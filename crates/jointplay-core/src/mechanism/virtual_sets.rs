@@ -13,7 +13,7 @@ const MAX_SYMMETRIC: usize = 2_000;
 /// A set that leaves more than this share of what is asked, by the linear estimate, is not tried.
 const LEFT_OPEN: f64 = 0.1;
 
-/// What a command requires of the virtual joints.
+/// Mismatch that the virtual joints have to close for a command.
 pub(super) struct Need {
     /// (open) mismatch that no passive joint can close.
     pub(super) open: DVector<f64>,

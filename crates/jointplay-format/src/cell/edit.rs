@@ -19,7 +19,7 @@ pub enum TaughtNoise {
     Equal(f64),
     /// Of each point (m).
     PerPoint(Vec<f64>),
-    /// That of a sensor of the cell, by name.
+    /// Noise of a sensor of the cell, by name.
     Sensor(String),
 }
 

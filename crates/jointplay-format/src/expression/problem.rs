@@ -63,7 +63,7 @@ pub enum ExpressionProblem {
     /// A result that is NaN or infinite.
     #[error("the expression gives a value that is {}, but has to be a finite number", number(*.value))]
     NotFinite {
-        /// What it gives.
+        /// Value of the expression.
         value: f64,
     },
     /// Nested too deeply.

@@ -61,7 +61,7 @@ pub fn changed_dimension(
     Ok(ChangedDimension { mechanisms: [with(-2.0)?, with(-1.0)?, with(1.0)?, with(2.0)?], step })
 }
 
-/// What a step is a share of: the value, or for values near zero one unit or the size of the mechanism.
+/// Scale of steps: the value, or for values near zero one unit or the size of the mechanism.
 fn scale(file: &MechanismFile, value: f64) -> f64 {
     let frames = file.mechanism.joints().iter().flat_map(|joint| &joint.frames);
     let reach = frames.map(|frame| frame.translation.vector.norm()).fold(0.0, f64::max);

@@ -225,7 +225,7 @@ fn entries<'r, 'a>(entry: &Entry<'r, 'a>) -> Vec<Entry<'r, 'a>> {
     }
 }
 
-/// That a list does not have an entry for each freedom.
+/// Error of a list without an entry for each freedom.
 fn count(key: &str, found: usize, kind: JointKind) -> FileProblem {
     let of_each = if key == "limits" { "pairs, one" } else { "numbers, one" };
     let needed =

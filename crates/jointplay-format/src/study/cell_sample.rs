@@ -69,7 +69,7 @@ pub(super) struct SweptProgram {
     pub(super) parameters: Vec<(String, Option<ProgramUnit>)>,
 }
 
-/// What a value of a sample is.
+/// Input that a value of a sample replaces.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum SweptInput {
     /// The number of the program, from 1.

@@ -29,7 +29,7 @@ const DISPLACEMENTS: [(&str, &str); 3] = [("dx_mm", "x"), ("dy_mm", "y"), ("dz_m
 /// Displacement by which it is tested that a station can be displaced (m), and its tolerance: rounding of decimals.
 const TRIAL: (f64, f64) = (1e-3, 1e-12);
 
-/// What varies, with its column.
+/// A varied input, with its column.
 struct Varied {
     input: SweptInput,
     values: SweptValue,
@@ -424,7 +424,7 @@ fn column_name(asked: &Asked<CellQuantity>) -> String {
     format!("{stem}{}", asked.unit.suffix())
 }
 
-/// What decides the numbers of a study.
+/// Facts that determine the numbers of a study.
 fn facts(
     subject: &Subject,
     varied: &[Varied],

@@ -11,7 +11,7 @@ use super::names::Column;
 /// A study as read.
 #[derive(Clone)]
 pub struct StudyFile {
-    /// What the file calls it.
+    /// Name of the study in the file.
     pub name: String,
     /// The file (TOML).
     pub text: String,
@@ -19,7 +19,7 @@ pub struct StudyFile {
     pub mechanism: String,
     /// The files that were read for the study, by the names that it has for them; with its text they make the same study again, see [`from_files`](super::from_files).
     pub files: BTreeMap<String, Vec<u8>>,
-    /// What is computed.
+    /// Plan of the computation.
     pub plan: Arc<dyn Study>,
     /// The columns of its table.
     pub columns: Vec<Column>,
@@ -27,7 +27,7 @@ pub struct StudyFile {
 }
 
 impl StudyFile {
-    /// What decides the numbers of this study, by key; two studies that agree in all have the same table.
+    /// Facts that determine the numbers of this study, by key; two studies that agree in all have the same table.
     ///
     /// Numbers have all their bits.
     pub fn facts(&self) -> impl Iterator<Item = (&'static str, &str)> {

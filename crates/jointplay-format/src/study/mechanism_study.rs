@@ -299,7 +299,7 @@ fn unit(units: Units, coordinates: &Coordinates, k: usize) -> Unit {
     }
 }
 
-/// What decides the numbers of a study.
+/// Facts that determine the numbers of a study.
 fn facts(
     plan: &MechanismPlan,
     (units, coordinates): (Units, &Coordinates),

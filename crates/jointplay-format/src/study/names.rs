@@ -34,7 +34,7 @@ pub enum Source {
         /// Whether few values come again and again.
         repeats: bool,
     },
-    /// What became of it under a virtualization.
+    /// Status of the sample under a virtualization.
     Status {
         /// Which, in the order of the plan.
         model: usize,

@@ -253,7 +253,7 @@ fn first_random(top: &Table, pose: &Table, plan: &Plan) -> std::ops::Range<usize
     random.and_then(|(_, span)| span).or_else(|| span(top, "tolerances")).unwrap_or(0..0)
 }
 
-/// What decides the numbers of a study.
+/// Facts that determine the numbers of a study.
 fn facts(plan: &Plan, columns: &[Column]) -> Vec<Fact> {
     let names: Vec<&str> = plan.models.iter().map(|model| model.name()).collect();
     let columns: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();

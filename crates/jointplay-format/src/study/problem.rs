@@ -108,7 +108,7 @@ pub enum Problem {
     /// Tolerances that give none.
     #[error("there are no tolerances here; known: {}", listed(known))]
     NoTolerances {
-        /// What there could be.
+        /// Known tolerances.
         known: Vec<String>,
     },
     /// A metric that is none.

@@ -61,7 +61,7 @@ pub(super) fn quantities<Q: Copy + PartialEq>(
     are_valid.then_some(all)
 }
 
-/// What a name asks for: one entry for each term with it, or for each of a group.
+/// Quantities of a name: one entry for each term with it, or for each of a group.
 fn resolve<Q: Copy>(
     name: &str,
     terms: &[Term<Q>],

@@ -10,7 +10,7 @@ pub type Sources<'f> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'f;
 /// The text of a robot or mechanism of the catalogue.
 ///
 /// # Errors
-/// That there is none of this name, and which there are.
+/// Message for an unknown name, with the known ones.
 pub fn included(name: &str) -> Result<Vec<u8>, String> {
     match catalogue::find(name) {
         Some(entry) => Ok(entry.text.as_bytes().to_vec()),

@@ -37,7 +37,7 @@ impl Kind {
         }
     }
 
-    /// What a format of such a value can have.
+    /// Description of the formats that such a value allows.
     fn allowed(self) -> &'static str {
         match self {
             Self::Text => "fill and alignment by <, > or ^, a width, a precision, and the type s",

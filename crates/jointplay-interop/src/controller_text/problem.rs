@@ -50,7 +50,7 @@ pub enum Problem {
         key: &'static str,
         /// Fields of which one is necessary.
         needed: &'static str,
-        /// What would be lost.
+        /// Texts that would be lost.
         lost: &'static str,
     },
     /// A format that is invalid, or does not fit its value.

@@ -111,7 +111,7 @@ pub fn motor(
     }
 }
 
-/// What a motor follows.
+/// Source of the motion of a motor.
 #[derive(Clone, Copy)]
 enum Source {
     /// An axis of the robot.

@@ -2,7 +2,7 @@
 
 use crate::controller_text::Kind;
 
-/// What a field of a pattern matches.
+/// Kind of text that a field of a pattern matches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FieldKind {
     /// The name of a station.

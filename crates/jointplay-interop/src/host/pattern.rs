@@ -147,7 +147,7 @@ impl Vocabulary<'_> {
     /// The length and the value of a field at the start of a text.
     ///
     /// # Errors
-    /// What is allowed there.
+    /// Description of the allowed values.
     fn value(self, field: Field, text: &str) -> Result<(usize, Value), String> {
         match field.kind {
             FieldKind::Station => self.name(text, &self.stations(), "a station"),

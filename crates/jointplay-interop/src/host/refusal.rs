@@ -64,7 +64,7 @@ pub(super) enum Mismatch {
         fields: usize,
         /// Word of the line.
         found: String,
-        /// What is allowed.
+        /// Description of the allowed values.
         expected: String,
     },
 }

@@ -14,7 +14,7 @@ use crate::export::{Error, Frame, MotionExport, frames};
 /// Number of events that are kept for observers.
 const MOST_EVENTS: usize = 20;
 
-/// What became of a command of a host.
+/// Outcome of a command of a host.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// Its motion started.
@@ -48,7 +48,7 @@ pub struct HostEvent {
     pub time: f64,
     /// Text of the command.
     pub command: String,
-    /// What became of it.
+    /// Outcome of the command.
     pub outcome: Outcome,
 }
 

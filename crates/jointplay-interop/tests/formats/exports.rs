@@ -31,7 +31,7 @@ struct Row {
 
 type Kept = Box<dyn Fn(&Reading) -> Option<String>>;
 
-/// What is read of a written file.
+/// Result of reading a written file.
 struct Reading {
     text: String,
     lost: Vec<String>,

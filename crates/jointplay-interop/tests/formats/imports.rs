@@ -59,7 +59,7 @@ pub(crate) fn table() -> String {
     super::table("part of a model", &columns, &rows)
 }
 
-/// What is read of a model.
+/// Result of reading a model.
 struct Reading {
     mechanism: Mechanism,
     ignored: Vec<String>,

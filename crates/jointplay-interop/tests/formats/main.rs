@@ -1,4 +1,4 @@
-//! What each format keeps of a mechanism: the tables of `docs/reference/formats.md` are made of what is read.
+//! Properties of a mechanism that each format keeps, by reading files: the tables of `docs/reference/formats.md`.
 #![expect(clippy::unwrap_used, reason = "a failing test may panic")]
 
 mod exports;

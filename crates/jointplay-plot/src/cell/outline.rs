@@ -1,4 +1,4 @@
-//! What a shape covers, seen from above.
+//! Outline of a shape, seen from above.
 
 use jointplay_cell::geometry::Shape;
 use jointplay_core::spatial::Pose;

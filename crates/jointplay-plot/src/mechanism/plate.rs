@@ -12,7 +12,7 @@ const BASE: [&str; 2] = ["url(#base)", "#5c5c5c"];
 pub(super) const GHOST: [&str; 2] = ["#f3f6f9", "#8fa3b5"];
 /// Width of an edge (px).
 pub(super) const EDGE: f64 = 1.1;
-/// What is nearer to a line than this is on it, in sizes.
+/// Distance below which a point is on a line, in sizes.
 pub(super) const STRAIGHT: f64 = 1e-6;
 
 /// A link drawn as a plate.

@@ -85,7 +85,7 @@ fn raster(samples: &Samples, limbs: &[Series<'_>], label: &str, mut figure: Figu
     figure
 }
 
-/// What the horizontal axis of a raster holds: one interval a tilt direction, with all tilt angles in it.
+/// Label of the horizontal axis of a raster: an interval for each tilt direction, with all tilt angles in it.
 fn axis_label(samples: &Samples) -> String {
     let ends = [samples.tilt_angle.first(), samples.tilt_angle.get(samples.samples_per_row - 1)];
     let [from, to] = ends.map(|tilt_angle| {

@@ -9,7 +9,7 @@ use crate::cell::{CellReport, InstructionReport, ShareReport};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct KeyFigure {
-    /// What it is.
+    /// Name of the quantity.
     pub name: &'static str,
     /// Its value in `unit`; none where the program has none.
     pub value: Option<f64>,

@@ -27,7 +27,7 @@ pub struct PageProgram<'a> {
 /// A picture of the page.
 #[derive(Debug, Clone)]
 pub struct PagePicture {
-    /// What it shows.
+    /// Caption of the picture.
     pub caption: String,
     /// The picture as SVG; it is put into the page as it is.
     pub svg: String,
@@ -205,7 +205,7 @@ impl CellPage<'_> {
         }
     }
 
-    /// What the results rest on.
+    /// Assumptions of the results.
     fn basis(&self) -> Markup {
         let report = self.program.report;
         html! {

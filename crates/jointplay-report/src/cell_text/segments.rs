@@ -75,7 +75,7 @@ fn limit(segment: &SegmentReport) -> Option<(&str, Option<&str>)> {
     segment.limited_by.as_ref().map(|one| (one.limit, one.name.as_deref()))
 }
 
-/// What limits a segment, where, and for how long.
+/// Limiting constraint of a segment, with its places and durations.
 fn explained(segment: &SegmentReport) -> String {
     let Some(limiting) = &segment.limited_by else {
         return "no limit: slower for a longer blend".to_owned();

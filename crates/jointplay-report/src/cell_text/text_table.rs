@@ -3,7 +3,7 @@
 /// A table of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextTable {
-    /// What it shows.
+    /// Title of the table.
     pub title: &'static str,
     /// Its columns.
     pub columns: Vec<TableColumn>,

@@ -33,7 +33,7 @@ pub enum PartsError {
     Processor {
         /// Instruction set that began the study.
         found: String,
-        /// That of this processor.
+        /// Instruction set of this processor.
         here: &'static str,
     },
     /// A folder of another study.

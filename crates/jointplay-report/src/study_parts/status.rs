@@ -1,4 +1,4 @@
-//! What is finished of a study in parts.
+//! Progress of a study in parts.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::error::PartsError;
 
-/// What is finished of a study in parts.
+/// Progress of a study in parts.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct StatusReport {
     /// Name of the study.

@@ -58,7 +58,7 @@ pub enum MarkerError {
     Processor {
         /// Instruction set that began the study.
         found: String,
-        /// That of this processor.
+        /// Instruction set of this processor.
         here: &'static str,
     },
 }

@@ -133,7 +133,7 @@ pub struct Block {
     pub draws: Vec<u64>,
     /// Output quantities, in the order of the study, in SI units.
     pub columns: Vec<Vec<f64>>,
-    /// What became of each sample, for each of [`Study::solved_for`](super::Study::solved_for).
+    /// Outcome of each sample, for each of [`Study::solved_for`](super::Study::solved_for).
     pub outcomes: Vec<Vec<Outcome>>,
     /// The columns summed up.
     pub moments: Vec<Moments>,

@@ -56,7 +56,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// What makes the grid, the last running fastest.
+    /// Variations of the grid, the last running fastest.
     pub(super) fn pose(&self) -> [&Variation; 3] {
         [&self.height, &self.tilt.first, &self.tilt.second]
     }

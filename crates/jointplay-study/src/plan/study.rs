@@ -1,4 +1,4 @@
-//! What all studies have.
+//! The interface of all studies.
 
 use super::block::{Block, Portions, SampleLimit};
 use crate::Error;

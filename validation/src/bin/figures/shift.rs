@@ -16,7 +16,7 @@ use crate::{by_decades, evenly};
 
 const UM: f64 = 1e-6;
 
-/// What decides where the centre lies, and how the figures show it.
+/// Models that determine the position of the centre, with their styles in the figures.
 fn models() -> [(&'static str, &'static dyn Virtualization, Solver, Style); 4] {
     let (newton, closed) = (Solver::Newton, Solver::ClosedForm);
     [

@@ -29,7 +29,7 @@ const LAST_ANSWER_TIME: Duration = Duration::from_secs(60);
 /// Longest wait for the next line, for motions of any length.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
-/// What all connections have in common.
+/// Data common to all connections.
 pub(super) struct Hosts {
     pub(super) cell: Cell,
     pub(super) language: HostLanguage,

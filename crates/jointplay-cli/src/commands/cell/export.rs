@@ -121,7 +121,7 @@ struct NamedDialect {
     label: String,
 }
 
-/// What the files of all formats have in common.
+/// Data common to the files of all formats.
 struct FileContents<'a> {
     /// Name of a file without its ending.
     stem: &'a str,

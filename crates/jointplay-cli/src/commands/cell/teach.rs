@@ -258,7 +258,7 @@ fn unjudged(station: &StationReport) -> Vec<String> {
     reasons
 }
 
-/// What to measure next.
+/// Advice on the next point to measure.
 fn next_points(plane: &PlaneReport) -> Option<String> {
     let next = plane.next.as_ref()?;
     let [x, y, z] = next.points_mm.first()?.map(|value| fixed(value, 1));

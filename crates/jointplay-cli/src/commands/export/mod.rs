@@ -68,7 +68,7 @@ struct ExportReport {
 struct Exported {
     format: &'static str,
     files: Vec<String>,
-    /// What the format does not keep.
+    /// Properties of the mechanism that the format does not keep.
     lost: Vec<String>,
 }
 

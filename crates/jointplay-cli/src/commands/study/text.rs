@@ -126,7 +126,7 @@ fn number(value: f64) -> String {
 /// Largest number of runs of missing parts that are listed in text; JSON lists all.
 const MOST_RUNS: usize = 12;
 
-/// What is finished of a study in parts.
+/// Progress of a study in parts.
 pub(super) fn status(report: &StatusReport) -> String {
     let StatusReport { study, parts, done, missing, missing_ranges, .. } = report;
     let mut text = format!("{study}: {done} of {parts} parts are finished\n");

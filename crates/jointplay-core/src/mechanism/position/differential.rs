@@ -77,7 +77,7 @@ pub struct DifferentialKinematics {
     pub(super) acceleration: Field,
 }
 
-/// What is known of the configuration.
+/// Freedoms at a configuration, and the results that belong to it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct State {
     /// (unknowns − rank) motions that the loops leave, with the commanded coordinates held.

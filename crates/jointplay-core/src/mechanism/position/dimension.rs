@@ -39,7 +39,7 @@ pub struct DimensionDerivatives {
     pub frames: Vec<FrameTwist>,
 }
 
-/// What changes with the dimension while all coordinates keep their values.
+/// Poses that change with the dimension while all coordinates keep their values.
 struct Placed {
     /// Frames of the two sides of each opened loop.
     sides: Vec<[Pose; 2]>,

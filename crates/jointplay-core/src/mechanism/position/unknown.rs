@@ -1,4 +1,4 @@
-//! What a position solver solves for, and the couplings among its equations.
+//! Unknowns of a position solver, and the couplings among its equations.
 
 use crate::mechanism::coupling_rows::CouplingRow;
 

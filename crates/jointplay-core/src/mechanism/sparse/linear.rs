@@ -368,7 +368,7 @@ impl Linear {
         y
     }
 
-    /// What is violated while no link moves: of each joint the part of its twist that it refuses, of each coupling the change by rates of coordinates.
+    /// Violations while no link moves: of each joint the part of its twist that it refuses, of each coupling the change by rates of coordinates.
     ///
     /// # Arguments
     /// * `beyond` – (6 joints) twists of the joints

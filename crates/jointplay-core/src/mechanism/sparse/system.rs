@@ -227,7 +227,7 @@ impl<'a> SparseSystem<'a> {
     }
 }
 
-/// What a displacement of a joint makes of its second link's pose, the point of the joint, and how far the second link is from there at that point; all in the base frame.
+/// Pose of a joint's second link after a displacement of the joint, the point of the joint, and the distance of the second link from that pose at the point; all in the base frame.
 #[inline]
 fn joined(
     first: &Pose,

@@ -34,7 +34,7 @@ pub enum Error {
         kind: &'static str,
         /// The format.
         format: &'static str,
-        /// What to do.
+        /// Advice on a remedy.
         advice: &'static str,
     },
 }

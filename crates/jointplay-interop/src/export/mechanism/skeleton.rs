@@ -319,7 +319,7 @@ fn stiffness(mechanism: &Mechanism, weights: &DVector<f64>) -> Vec<f64> {
 /// Stiffness of a virtual slide where the file states none (N/m).
 pub(super) const DEFAULT_STIFFNESS: f64 = 1e4;
 
-/// What no format of simulators has a place for.
+/// Properties that no format of simulators keeps.
 fn lost(mechanism: &Mechanism) -> Vec<String> {
     let mut lost = Vec::new();
     let count = |is: fn(&jointplay_core::mechanism::Joint) -> bool| {

@@ -419,7 +419,7 @@ fn unknown(what: &'static str, value: Block, known: Vec<String>) -> Error {
     value.error(Problem::Unknown { what, found, nearest, known })
 }
 
-/// What a joint of a file is here.
+/// Equivalent of a joint of a file.
 enum AssembledKind {
     /// A joint; `offset` is the distance of a plane (m).
     Joint { kind: JointKind, offset: f64 },

@@ -68,7 +68,7 @@ impl<'j> DrawnJoints<'j> {
     /// The coupling that a constraint between two frames is.
     ///
     /// # Errors
-    /// What the constraint lacks, as advice.
+    /// Advice for a constraint that is incomplete.
     pub(super) fn coupling(
         &self,
         name: String,
