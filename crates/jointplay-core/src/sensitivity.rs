@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
-use crate::constraint::{Configuration, Dimension, System, scaled_jacobian, units};
+use crate::constraint::{Configuration, Dimension, ScaledSystem, System, scaled_jacobian, units};
 use crate::linalg::{Svd, product, svd};
 
 /// ∂X/∂P at a configuration, in the metric, with its singular values and vectors.
@@ -108,10 +108,8 @@ pub fn commanded_sensitivity<S: System + ?Sized>(
     relative_threshold: f64,
 ) -> Result<Sensitivity, Error> {
     system.check(at)?;
-    let rows = units(&system.constraint_dimensions(), system.characteristic_length());
-    let columns = units(&system.coordinate_dimensions(), system.characteristic_length());
-    let following: Vec<usize> = (0..columns.len()).filter(|k| !commanded.contains(k)).collect();
-    let all = scaled_jacobian(&system.constraint_jacobian(at), &rows, &columns);
+    let all = ScaledSystem::new(system, system.characteristic_length()).jacobian(at);
+    let following: Vec<usize> = (0..all.ncols()).filter(|k| !commanded.contains(k)).collect();
     let follow = svd(&all.select_columns(&following))?;
     let open = follow.left_null_space(follow.rank(relative_threshold)).transpose();
     let scaled = Scaled::new(system, at, characteristic_length)?;

@@ -9,6 +9,7 @@ use crate::linalg::{Svd, svd};
 /// A constraint system in units of radians and characteristic lengths.
 pub(crate) struct ScaledSystem<'a, S: ?Sized> {
     system: &'a S,
+    characteristic_length: f64,
     /// Unit of each constraint.
     rows: DVector<f64>,
     /// Unit of each coordinate.
@@ -20,7 +21,7 @@ impl<'a, S: System + ?Sized> ScaledSystem<'a, S> {
     pub(crate) fn new(system: &'a S, characteristic_length: f64) -> Self {
         let rows = units(&system.constraint_dimensions(), characteristic_length);
         let columns = units(&system.coordinate_dimensions(), characteristic_length);
-        Self { system, rows, columns }
+        Self { system, characteristic_length, rows, columns }
     }
 
     /// The system in its own units.
@@ -44,6 +45,13 @@ impl<'a, S: System + ?Sized> ScaledSystem<'a, S> {
     /// Dimensionless constraint Jacobian.
     pub(crate) fn jacobian(&self, at: &Configuration) -> DMatrix<f64> {
         scaled_jacobian(&self.system.constraint_jacobian(at), &self.rows, &self.columns)
+    }
+
+    /// Dimensionless Jacobian of the constraints by the virtual coordinates.
+    pub(crate) fn virtual_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
+        let dimensions = self.system.virtual_joint_dimensions();
+        let columns = units(&dimensions, self.characteristic_length);
+        scaled_jacobian(&self.system.virtual_jacobian(at), &self.rows, &columns)
     }
 
     /// Singular value decomposition of the dimensionless constraint Jacobian.

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
-use crate::constraint::{Configuration, System, scaled_jacobian, units};
+use crate::constraint::{Configuration, ScaledSystem, System};
 use crate::linalg::{Svd, svd};
 
 /// Singular values up to this share of the largest count as zero.
@@ -80,9 +80,7 @@ pub fn instantaneous_mobility<S: System + ?Sized>(
 ) -> Result<InstantaneousMobility, Error> {
     system.check(at)?;
     let length = system.characteristic_length();
-    let rows = units(&system.constraint_dimensions(), length);
-    let columns = units(&system.coordinate_dimensions(), length);
-    let jacobian = scaled_jacobian(&system.constraint_jacobian(at), &rows, &columns);
+    let jacobian = ScaledSystem::new(system, length).jacobian(at);
     analyse(&jacobian, length, relative_threshold, system.round_off())
 }
 
@@ -100,19 +98,10 @@ pub fn augmented_mobility<S: System + ?Sized>(
 ) -> Result<InstantaneousMobility, Error> {
     system.check(at)?;
     let length = system.characteristic_length();
-    let rows = units(&system.constraint_dimensions(), length);
-    let of_coordinates = scaled_jacobian(
-        &system.constraint_jacobian(at),
-        &rows,
-        &units(&system.coordinate_dimensions(), length),
-    );
-    let of_virtual_joints = scaled_jacobian(
-        &system.virtual_jacobian(at),
-        &rows,
-        &units(&system.virtual_joint_dimensions(), length),
-    );
+    let scaled = ScaledSystem::new(system, length);
+    let (of_coordinates, of_virtual_joints) = (scaled.jacobian(at), scaled.virtual_jacobian(at));
     let (n, m) = (of_coordinates.ncols(), of_virtual_joints.ncols());
-    let mut both = DMatrix::zeros(rows.len(), n + m);
+    let mut both = DMatrix::zeros(of_coordinates.nrows(), n + m);
     both.columns_mut(0, n).copy_from(&of_coordinates);
     both.columns_mut(n, m).copy_from(&of_virtual_joints);
     analyse(&both, length, relative_threshold, system.round_off())
