@@ -73,10 +73,7 @@ fn otherwise_untrue_mechanisms_move_within_a_tolerance() {
     check_untrue_mechanisms(2);
 }
 
-<<<<<<< HEAD
-=======
 /// Seeds are chosen: of 1, 4 and 6, the tolerance that the three-rod robot needs is not in proportion, but smaller by 20 and more at some scales.
->>>>>>> h3
 fn check_untrue_mechanisms(seed: u8) {
     let mut failures = Vec::new();
     for (name, mechanism) in mechanisms() {

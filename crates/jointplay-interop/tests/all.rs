@@ -5,6 +5,7 @@
 mod dialect;
 mod export;
 mod fmu;
+mod formats;
 mod freecad;
 mod host;
 mod loop_files;
