@@ -518,8 +518,12 @@ fn two_faults_of_the_example_are_found_and_fixed() {
     let collisions = violations("collision");
     assert!(collisions.iter().any(|one| one["line"] == 3), "{collisions:?}");
     for one in collisions {
-        let names: Vec<&str> =
-            one["entities"].as_array().unwrap().iter().map(|it| it["name"].as_str().unwrap()).collect();
+        let names: Vec<&str> = one["entities"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|it| it["name"].as_str().unwrap())
+            .collect();
         assert_eq!(names[1], "wall", "{one}");
         assert_eq!(one["entities"][1]["kind"], "body", "{one}");
         let message = one["message"].as_str().unwrap();
