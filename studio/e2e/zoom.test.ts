@@ -26,8 +26,10 @@ async function at(width: number, height: number, view: View): Promise<void> {
   await page.addInitScript((shown) => localStorage.setItem('jointplay.studio.part', JSON.stringify(shown)), view);
   await load(page, fixture.server.address);
   if (view === 'robot') await drawn(page);
-  else if (view === 'cell') await waitForCheck(page, 'passed');
-  else await page.getByTestId('entry-four-bar').waitFor({ state: 'attached' });
+  else await waitForCheck(page, 'passed');
+  if (view !== 'mechanism') return;
+  await page.getByRole('button', { name: 'Mechanism', exact: true }).click();
+  await page.getByTestId('entry-four-bar').waitFor({ state: 'attached' });
 }
 
 /** Stores a picture, if they are requested. */

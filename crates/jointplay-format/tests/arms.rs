@@ -317,6 +317,7 @@ fn an_added_effector_is_above_the_highest_one_of_its_arm() {
     // Without one, it is that of the catalogue.
     let none = format!("{}effector = []{}", &OWN[..start], &OWN[end..]);
     let none = none.replace("effectors = [\"E\"]\n", "");
+    let none = none.replace("    [\"hand\", \"blade\"], # second\n", "");
     let none = &none[..none.find("[[part]]").unwrap()];
     let first = add_effector(none, "arm");
     assert_eq!(violations(&read(&first.text), "HOME\nGET P1\nPUT P1\nHOME\n"), NONE);

@@ -108,20 +108,20 @@ impl Scene {
                 placed(motion_export, sample.time, &positions, carried)
             };
             let now = pose(0.0)?;
+            let moves = with_rates && sample.velocities.iter().any(|&speed| speed != 0.0);
+            let near = if moves { Some([pose(-MOMENT)?, pose(MOMENT)?]) } else { None };
             for track in &mut scene.tracks {
-                track.push(&track.pose(cell, &wafers.frames, &now));
-            }
-            if !with_rates {
-                continue;
-            }
-            if sample.velocities.iter().all(|&speed| speed == 0.0) {
-                scene.tracks.iter_mut().for_each(|track| track.rates.push(Rate::default()));
-                continue;
-            }
-            let [before, after] = [pose(-MOMENT)?, pose(MOMENT)?];
-            for track in &mut scene.tracks {
-                let poses = [&before, &now, &after].map(|it| track.pose(cell, &wafers.frames, it));
-                track.push_rate(&poses);
+                let here = track.pose(cell, &wafers.frames, &now);
+                track.push(&here);
+                match &near {
+                    Some(near) if !track.rests(&wafers.frames) => {
+                        let [before, after] =
+                            near.each_ref().map(|it| track.pose(cell, &wafers.frames, it));
+                        track.push_rate(&[before, here, after]);
+                    }
+                    _ if with_rates => track.rates.push(Rate::default()),
+                    _ => {}
+                }
             }
         }
         let mut slot_stays = slot_stays(motion_export, &wafers.locations);
@@ -159,6 +159,11 @@ impl Track {
             }
             Part::Wafer(k) => wafers[k].base_from_wafer(pose),
         }
+    }
+
+    /// Whether it is a wafer in a slot, which does not move with the robot.
+    fn rests(&self, wafers: &[WaferFrame]) -> bool {
+        matches!(self.of, Part::Wafer(k) if wafers[k].location.slot().is_some())
     }
 
     fn push(&mut self, pose: &Pose) {
