@@ -174,7 +174,7 @@ fn samples_without_an_answer_are_outcomes() {
     let block = computed(&others);
     let found: Vec<&str> = block.outcomes[0].iter().map(|outcome| outcome.name()).collect();
     let out_of_range = "invalid program";
-    let expected = [out_of_range; 3].into_iter().chain(["passed", "passed", out_of_range]);
+    let expected = [out_of_range; 3].into_iter().chain(["no motion", "passed", out_of_range]);
     assert_eq!(found, expected.collect::<Vec<_>>());
 }
 

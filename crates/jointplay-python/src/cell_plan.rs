@@ -73,7 +73,7 @@ impl PyCellPlan {
         self.motion.duration()
     }
 
-    /// Whether the check found no violation; ``False`` for a program without motion, of which nothing was checked.
+    /// Whether the check found no violation; ``False`` for a program without motion.
     #[getter]
     fn passed(&self) -> bool {
         self.report.result == CheckResult::Passed

@@ -11,7 +11,7 @@ pub enum CheckResult {
     Passed,
     /// Violations were found.
     Failed,
-    /// No axis moves, so that no motion was checked: a program without instructions that move, such as one that only waits.
+    /// No violation was found, but no axis moves, as in a program that only waits: there is no motion that could pass.
     NoMotion,
 }
 

@@ -88,20 +88,31 @@ pub fn close_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Cl
 
 /// The configuration of the rigid links from which virtual joints are suggested: closed, or where measured dimensions miss a closure by little.
 ///
-/// With virtual joints, which a search replaces, it is that of [`close_at_rest`]; without them, the one that [`Unassembled::near_miss`] names.
+/// With virtual joints, which a search replaces, it is that of [`close_at_rest`]; without them, the one of least mismatch with the actuators at their guesses.
 /// The suggested virtual joints then close the loops too.
 ///
 /// # Errors
 /// Those of [`close_at_rest`], where the loops miss by more than a rounding of the dimensions.
 pub fn close_nearly(mechanism: &Mechanism) -> Result<Closure, Error> {
     let home = match close_at_rest(mechanism, None) {
-        Err(Error::NotAssembled(found)) => {
-            found.near_miss().cloned().ok_or(Error::NotAssembled(found))?
-        }
+        Err(Error::NotAssembled(found)) => match (found.near_miss(), near_at_guess(mechanism)?) {
+            (Some(_), Some(near)) => near,
+            (Some(near), None) => near.clone(),
+            (None, _) => return Err(Error::NotAssembled(found)),
+        },
         home => home?,
     };
     let coordinates = home.coordinates.rows(0, mechanism.joint_freedoms()).into_owned();
     Ok(Closure { coordinates, ..home })
+}
+
+/// The near miss with the actuators at their guesses, if there is one: without them held, a least mismatch may be far along a motion that nearly closes.
+fn near_at_guess(mechanism: &Mechanism) -> Result<Option<Closure>, Error> {
+    let actuated = mechanism.actuated_coordinates();
+    match assemble(mechanism, &guess(mechanism), &actuated, 0) {
+        Err(Error::NotAssembled(found)) => Ok(found.near_miss().cloned()),
+        closed => closed.map(Some),
+    }
 }
 
 /// The configuration of least displacement with the actuators at their guesses, with the virtual joints back at rest.

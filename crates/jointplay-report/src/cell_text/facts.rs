@@ -32,7 +32,7 @@ pub fn cell_facts(report: &CellReport, program: &str) -> Vec<Fact> {
         .map_or(String::new(), |length| format!(", characteristic length {} mm", fixed(length, 3)));
     let platform = format!("{} virtualization, {}{metric}", report.virtualization, report.solver);
     let result = match report.violations.len() {
-        0 if report.result == "no_motion" => "no motion, nothing was checked".to_owned(),
+        0 if report.result == "no_motion" => "no motion".to_owned(),
         0 => "passed".to_owned(),
         count => format!("{}, not safe to run", counted(count, "violation")),
     };
