@@ -95,12 +95,12 @@ proptest! {
     }
 }
 
-/// Beyond the tilts for which it is prepared, a solver computes as the robot does.
+/// Beyond the tilts for which it has polynomials, a solver computes as the robot does; without polynomials, its first step is prepared and rounds otherwise.
 #[test]
 fn steep_poses_are_those_of_the_robot_to_the_bit() {
     let gpr = Gpr::paper().without_limit_checks();
     let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
-    for model in MODELS {
+    for model in [BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Planar] {
         let solver = PoseSolver::new(&gpr, model, &options).unwrap();
         for azimuth in 0..12 {
             let tilt = Tilt { azimuth: f64::from(azimuth), angle: 0.15 };
