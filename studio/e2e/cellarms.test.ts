@@ -166,7 +166,7 @@ test('the arms of a robot in a file of its own are not changed, with the reason'
   writeFileSync(fixture.programFile, 'HOME\n');
   const other = await visit(fixture.browser, { viewport: { width: 1440, height: 900 } });
   await load(other, fixture.server.address);
-  await waitForCheck(other, 'passed');
+  await waitForCheck(other, 'no_motion');
   await other.getByRole('tab', { name: 'Parts' }).click();
   const add = other.getByTestId('add-arm');
   expect(await add.isDisabled()).toBe(true);
