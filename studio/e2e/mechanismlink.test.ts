@@ -29,6 +29,8 @@ afterEach(() => {
 const joints = (on: Page) => on.evaluate(() => window.jointplay.probe.mechanism?.joints() ?? {});
 const camera = (on: Page) => on.evaluate(() => window.jointplay.probe.mechanism?.camera() ?? null);
 const link = async (on: Page) => {
+  // The button shows for a while that an earlier link was copied.
+  await on.getByTestId('mechanism-link').filter({ hasNotText: 'Copied' }).waitFor();
   await on.getByTestId('mechanism-link').click();
   await on.getByTestId('mechanism-link').filter({ hasText: 'Copied' }).waitFor();
   return on.evaluate(() => window.location.href);
