@@ -4,7 +4,7 @@ use jointplay::Error;
 use jointplay::constraint::System as _;
 use jointplay::format::catalogue::{self, Entry};
 use jointplay::format::mechanism::parse_with;
-use jointplay::mechanism::{Mechanism, MechanismSystem, assemble, guess};
+use jointplay::mechanism::{Mechanism, MechanismSystem, assemble, close, guess};
 use jointplay::mobility::{
     ForcedClosure, NearMobility, RANK_THRESHOLD, finite_mobility, kutzbach_mobility, near_mobility,
 };
@@ -53,11 +53,13 @@ fn perturbed(mechanism: &Mechanism, by: f64, seed: u8) -> Mechanism {
     made.with_characteristic_length(length).unwrap()
 }
 
-/// Closed exactly, or as well as a least tolerance allows.
-fn closed(mechanism: &Mechanism, tolerance: f64) -> DVector<f64> {
+/// Closed exactly, or as well as a least tolerance allows; with it, whether exactly.
+fn closed(mechanism: &Mechanism, tolerance: f64) -> (DVector<f64>, bool) {
     match assemble(mechanism, &guess(mechanism), &[], 0) {
-        Ok(closure) => closure.coordinates,
-        Err(Error::NotAssembled(found)) => found.within(tolerance).unwrap().coordinates.clone(),
+        Ok(closure) => (closure.coordinates, true),
+        Err(Error::NotAssembled(found)) => {
+            (found.within(tolerance).unwrap().coordinates.clone(), false)
+        }
         Err(other) => panic!("{other}"),
     }
 }
@@ -65,49 +67,68 @@ fn closed(mechanism: &Mechanism, tolerance: f64) -> DVector<f64> {
 /// Made not quite true, a mechanism has the mobility that is counted, and its own within a tolerance in proportion to what is untrue.
 #[test]
 fn untrue_mechanisms_move_within_a_tolerance() {
-    check_untrue_mechanisms(3);
+    (1..=3).for_each(check_untrue_mechanisms);
 }
 
 #[test]
 fn otherwise_untrue_mechanisms_move_within_a_tolerance() {
-    check_untrue_mechanisms(2);
+    (4..=6).for_each(check_untrue_mechanisms);
 }
 
-/// Seeds are chosen: of 1, 4 and 6, the tolerance that the three-rod robot needs is not in proportion, but smaller by 20 and more at some scales.
+/// The tolerance that one motion more needs at the closed configuration next to given joint coordinates.
+fn next_motion(exact: &MechanismSystem<'_>, near: &DVector<f64>) -> Option<f64> {
+    let start = near.clone().resize_vertically(exact.home().len(), 0.0);
+    let joints: Vec<usize> = (0..near.len()).collect();
+    let closed = close(&exact.with_home(start).unwrap(), &joints, 100).unwrap();
+    let system = exact.with_home(closed.coordinates).unwrap();
+    near_mobility(&system, &system.at_home(), 1e-9).unwrap().next
+}
+
 fn check_untrue_mechanisms(seed: u8) {
     let mut failures = Vec::new();
     for (name, mechanism) in mechanisms() {
-        let system = MechanismSystem::new(&mechanism, closed(&mechanism, 0.0)).unwrap();
+        let system = MechanismSystem::new(&mechanism, closed(&mechanism, 0.0).0).unwrap();
         let exact = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
         let mobility = exact.mobility.unwrap();
-        // Well below what one motion more would need with exact dimensions: that is no near miss.
-        let other = near_mobility(&system, &system.at_home(), 1e-9).unwrap().next;
-        let most = other.map_or(f64::INFINITY, |needed| needed / 4.0);
         let freedoms: Vec<_> = mechanism.joints().iter().map(|one| one.kind.freedoms()).collect();
         let counted = kutzbach_mobility(mechanism.links().len(), &freedoms).max(0);
         let counted = usize::try_from(counted).unwrap();
-        let mut shares = Vec::new();
+        // Of exact closures, and of near ones: a tilt can close the three-rod robot exactly, with displacements in proportion to the root of what is untrue, and not be found at each scale.
+        let mut shares = [Vec::new(), Vec::new()];
         for by in [1e-4, 1e-5, 1e-6] {
             let untrue = perturbed(&mechanism, by, seed);
-            let tolerance = most.min(30.0 * by);
-            let system = MechanismSystem::new(&untrue, closed(&untrue, tolerance)).unwrap();
-            let at = system.at_home();
-            let near = near_mobility(&system, &at, tolerance).unwrap();
-            let forced = ForcedClosure::new(&system, &at);
+            let (home, exactly) = closed(&untrue, 30.0 * by);
+            // Well below what one motion more would need there with exact dimensions: that is no near miss.
+            let tolerance = next_motion(&system, &home).map_or(f64::INFINITY, |it| it / 10.0);
+            let tolerance = tolerance.min(30.0 * by);
+            let untrue = MechanismSystem::new(&untrue, home).unwrap();
+            let at = untrue.at_home();
+            let near = near_mobility(&untrue, &at, tolerance).unwrap();
+            let forced = ForcedClosure::new(&untrue, &at);
             let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();
             if (near.mobility, real) != (mobility, counted) {
-                failures.push(format!("{name} {by}: {mobility} exactly, {real} finite, {near:?}"));
+                failures.push(format!(
+                    "{name}, seed {seed}, {by}: {mobility} exactly, {real} finite, {near:?}"
+                ));
             }
             if mobility > counted {
-                shares.push(near.needed / by);
+                shares[usize::from(!exactly)].push(near.needed / by);
             } else if near.needed > 1e-13 {
-                failures.push(format!("{name} {by}: finite motion, {near:?}"));
+                failures.push(format!("{name}, seed {seed}, {by}: finite motion, {near:?}"));
             }
         }
-        // In proportion, within what it matters that the configuration nearest to closed moves about.
-        let most = shares.iter().copied().fold(0.0, f64::max);
-        if shares.iter().any(|&share| !(0.05..20.0).contains(&share) || share < most / 10.0) {
-            failures.push(format!("{name}: {shares:?}"));
+        let [exact, missing] = &shares;
+        let most = |shares: &[f64]| shares.iter().copied().fold(0.0, f64::max);
+        let in_proportion = |shares: &[f64], factor: f64| {
+            shares.iter().all(|&share| share < 20.0 && share > most(shares) / factor)
+        };
+        // In proportion; near closures within what it matters that the nearest configuration moves about.
+        if !in_proportion(exact, 1.5)
+            || !in_proportion(missing, 10.0)
+            || missing.iter().any(|&share| share < 0.05)
+            || exact.iter().any(|&share| share < 1e-3)
+        {
+            failures.push(format!("{name}, seed {seed}: {shares:?}"));
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
@@ -121,7 +142,7 @@ fn near(name: &str, set: &[(&str, f64)], tolerance: f64) -> (f64, usize, NearMob
 fn near_text(text: &str, set: &[(&str, f64)], tolerance: f64) -> (f64, usize, NearMobility) {
     let set: Vec<_> = set.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
     let mechanism = parse_with(text, &set).unwrap().mechanism;
-    let system = MechanismSystem::new(&mechanism, closed(&mechanism, tolerance)).unwrap();
+    let system = MechanismSystem::new(&mechanism, closed(&mechanism, tolerance).0).unwrap();
     let at = system.at_home();
     let forced = ForcedClosure::new(&system, &at);
     let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();

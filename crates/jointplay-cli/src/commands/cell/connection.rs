@@ -117,7 +117,9 @@ impl Server {
 /// Names a connection that is closed because there is no place for it.
 fn note_closed(stream: &TcpStream, most: usize, others: &str) {
     let peer = stream.peer_addr().map_or_else(|_| "a host".to_owned(), |peer| peer.to_string());
-    console::note(&format!("the connection of {peer} is closed: {most} {others}, no more fit"));
+    console::note(&format!(
+        "the connection of {peer} is closed: {most} {others}, which is the largest number"
+    ));
 }
 
 /// The session of one host.
