@@ -1,7 +1,7 @@
 //! Other programs that chores run, and where cargo builds.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command};
 use std::{env, io};
 
 /// Cargo, as it runs this program.
@@ -39,6 +39,22 @@ pub(crate) fn output(command: &mut Command) -> io::Result<String> {
     Err(io::Error::other(format!("{}: {}", line(command), output.status)))
 }
 
+/// Starts a command; [`stop`] ends it.
+pub(crate) fn start(command: &mut Command) -> io::Result<Child> {
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    command.spawn()
+}
+
+/// Ends a command of [`start`], with the processes that it has started where the system has groups of them.
+pub(crate) fn stop(mut child: Child) -> io::Result<()> {
+    #[cfg(unix)]
+    succeed(Command::new("kill").args(["-KILL", "--", &format!("-{}", child.id())]))?;
+    #[cfg(not(unix))]
+    child.kill()?;
+    child.wait().map(drop)
+}
+
 fn line(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
     words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
@@ -55,5 +71,26 @@ mod tests {
         assert!(refused.contains("no-such-chore: exit"), "{refused}");
         let absent = succeed(&mut Command::new("no-such-program")).unwrap_err().to_string();
         assert!(absent.starts_with("no-such-program: "), "{absent}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_stopped_command_leaves_no_process() {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", "sleep 600 & echo $!; wait"]).stdout(std::process::Stdio::piped());
+        let mut shell = start(&mut shell).unwrap();
+        let mut process = String::new();
+        let output = shell.stdout.take().unwrap();
+        io::BufRead::read_line(&mut io::BufReader::new(output), &mut process).unwrap();
+        stop(shell).unwrap();
+        let state = format!("/proc/{}/stat", process.trim());
+        let runs = || std::fs::read_to_string(&state).is_ok_and(|state| !state.contains(") Z "));
+        for _ in 0..500 {
+            if !runs() {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        panic!("the process of a stopped command runs");
     }
 }

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use super::archives::Unpacked;
-use crate::process::{cargo, succeed};
+use crate::process::{self, cargo, succeed};
 
 /// Longest wait for an answer of the studio's server.
 const TIMEOUT: Duration = Duration::from_secs(30);
@@ -60,11 +60,11 @@ pub(crate) fn exercise(command: impl Fn() -> Command) -> io::Result<()> {
     for line in ["--version", "mobility hexapod", "study tolerances --dry-run", "cell check"] {
         succeed(command().args(line.split(' ')).stdout(Stdio::null()))?;
     }
-    let mut server =
-        command().args(["studio", "--no-open", "--port", "0"]).stdout(Stdio::piped()).spawn()?;
+    let mut studio = command();
+    studio.args(["studio", "--no-open", "--port", "0"]).stdout(Stdio::piped());
+    let mut server = process::start(&mut studio)?;
     let answered = page_of(&mut server);
-    server.kill()?;
-    server.wait()?;
+    process::stop(server)?;
     answered
 }
 

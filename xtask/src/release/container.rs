@@ -8,12 +8,15 @@ use std::process::{Command, Stdio};
 use std::{fs, io};
 
 use super::folders::{Folders, VERSION};
-use crate::process;
+use crate::{package, process};
 
 /// Programs that build images, in order of preference.
 const BUILDERS: [&str; 3] = ["podman", "buildah", "docker"];
 
-/// Builds the image, or runs the command as it would be in one.
+/// Name of the container in which the image is tried.
+const CONTAINER: &str = "jointplay-release";
+
+/// Builds the image and runs it, or runs the command as it would be in one.
 pub(super) fn build(folders: &Folders) -> io::Result<()> {
     let context = folders.empty("container")?;
     let program = folders.program();
@@ -33,10 +36,11 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
     };
     let image = format!("jointplay:{VERSION}");
     let archive = folders.out.join(format!("jointplay-{VERSION}-image.tar"));
-    for arguments in image_commands(builder, &image, &context, &archive) {
-        process::succeed(Command::new(builder).args(arguments))?;
+    for arguments in image_commands(builder, &image, &context, &archive, &folders.time) {
+        let mut step = Command::new(builder);
+        process::succeed(step.args(arguments).env("SOURCE_DATE_EPOCH", &folders.time))?;
     }
-    Ok(())
+    try_image(builder, &image, &archive)
 }
 
 /// Commands of a builder that make the image and write it as an archive of Docker, whose format has the health check.
@@ -45,18 +49,18 @@ fn image_commands(
     image: &str,
     context: &Path,
     archive: &Path,
+    time: &str,
 ) -> [Vec<OsString>; 2] {
     let words = |words: &[&str]| words.iter().map(OsString::from).collect::<Vec<_>>();
     let mut build = words(&["build", "--tag", image]);
-    // Images of the format OCI have no health check; docker has its own format only.
+    // Images of the format OCI have no health check; docker has its own format only, and reads the time from its environment.
     if builder != "docker" {
-        build.extend(words(&["--format", "docker"]));
+        build.extend(words(&["--format", "docker", "--timestamp", time]));
     }
     build.extend([OsString::from("--file"), context.join("Containerfile").into()]);
     build.push(context.into());
     let write = if builder == "buildah" {
-        let mut target = OsString::from("docker-archive:");
-        target.push(archive);
+        let mut target = from_archive(archive);
         target.push(format!(":{image}"));
         [words(&["push", image]), vec![target]].concat()
     } else {
@@ -65,20 +69,66 @@ fn image_commands(
     [build, write]
 }
 
+/// An image in an archive, as buildah names it.
+fn from_archive(archive: &Path) -> OsString {
+    let mut name = OsString::from("docker-archive:");
+    name.push(archive);
+    name
+}
+
+/// Runs the command of the image in a container: of podman and docker as its users do, of buildah from the archive.
+fn try_image(builder: &str, image: &str, archive: &Path) -> io::Result<()> {
+    let command = |words: &[&str]| {
+        let mut command = Command::new(builder);
+        command.args(words);
+        command
+    };
+    let remove = || {
+        let force: &[&str] = if builder == "buildah" { &[] } else { &["--force"] };
+        let mut remove = command(&["rm"]);
+        remove.args(force).arg(CONTAINER);
+        remove.stdout(Stdio::null()).stderr(Stdio::null()).status()
+    };
+    // An earlier run that was stopped has not removed its container.
+    remove()?;
+    let tried = if builder == "buildah" {
+        let mut make = command(&["from", "--name", CONTAINER]);
+        process::succeed(make.arg(from_archive(archive)).stdout(Stdio::null()))?;
+        let run = ["run", "--isolation", "chroot", CONTAINER, "--", "/bin/jointplay"];
+        package::exercise(|| command(&run))
+    } else {
+        let run = ["run", "--rm", "--name", CONTAINER, "--network", "host", "--read-only", image];
+        package::exercise(|| command(&run))
+    };
+    remove()?;
+    tried
+}
+
+/// The layers of an image in an archive, by the sums of their contents; none in another file.
+///
+/// Two images of the same files differ in names that the builder makes up for each.
+pub(super) fn layers(archive: &Path) -> Option<Vec<String>> {
+    let mut tar = Command::new("tar");
+    tar.arg("-xOf").arg(archive).arg("manifest.json").stderr(Stdio::null());
+    let images: serde_json::Value = serde_json::from_slice(&tar.output().ok()?.stdout).ok()?;
+    let layers = images.get(0)?.get("Layers")?.as_array()?;
+    layers.iter().map(|layer| layer.as_str().map(str::to_owned)).collect()
+}
+
 /// Runs the command with nothing else in its root, as an ordinary user who cannot write there.
 fn in_empty_root(folders: &Folders) -> io::Result<()> {
     let root = folders.empty("empty-root")?;
     fs::copy(folders.program().join("bin/jointplay"), root.join("jointplay"))?;
-    for line in ["--version", "mobility hexapod", "cell check"] {
+    package::exercise(|| {
         let mut run = Command::new("chroot");
-        run.args(["--userspec=65532:65532"]).arg(&root).arg("/jointplay").args(line.split(' '));
-        process::succeed(run.stdout(Stdio::null()))?;
-    }
-    Ok(())
+        run.args(["--userspec=65532:65532"]).arg(&root).arg("/jointplay");
+        run
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::folders::tests::folders;
     use super::*;
 
     #[test]
@@ -87,20 +137,42 @@ mod tests {
             ("docker", "build --tag j:1 --file c/Containerfile c", "save --output a.tar j:1"),
             (
                 "podman",
-                "build --tag j:1 --format docker --file c/Containerfile c",
+                "build --tag j:1 --format docker --timestamp 7 --file c/Containerfile c",
                 "save --output a.tar j:1",
             ),
             (
                 "buildah",
-                "build --tag j:1 --format docker --file c/Containerfile c",
+                "build --tag j:1 --format docker --timestamp 7 --file c/Containerfile c",
                 "push j:1 docker-archive:a.tar:j:1",
             ),
         ] {
-            let found = image_commands(builder, "j:1", Path::new("c"), Path::new("a.tar"));
+            let found = image_commands(builder, "j:1", Path::new("c"), Path::new("a.tar"), "7");
             let line = |words: &Vec<OsString>| {
                 words.iter().map(|word| word.to_str().unwrap()).collect::<Vec<_>>().join(" ")
             };
             assert_eq!(found.each_ref().map(line), [built, written], "{builder}");
         }
+    }
+
+    #[test]
+    fn images_of_the_same_files_have_the_same_layers() {
+        let root = folders("image").root;
+        let image = |name: &str, manifest: &str| {
+            let (folder, archive) = (root.join(name), root.join(format!("{name}.tar")));
+            fs::create_dir_all(&folder).unwrap();
+            fs::write(folder.join("manifest.json"), manifest).unwrap();
+            let mut tar = Command::new("tar");
+            process::succeed(
+                tar.arg("-cf").arg(&archive).arg("-C").arg(&folder).arg("manifest.json"),
+            )
+            .unwrap();
+            layers(&archive)
+        };
+        let one = image("one", r#"[{"Config": "1.json", "Layers": ["a.tar", "b.tar"]}]"#);
+        assert_eq!(one, Some(vec!["a.tar".to_owned(), "b.tar".to_owned()]));
+        assert_eq!(one, image("two", r#"[{"Config": "2.json", "Layers": ["a.tar", "b.tar"]}]"#));
+        assert_ne!(one, image("three", r#"[{"Config": "1.json", "Layers": ["a.tar", "c.tar"]}]"#));
+        assert_eq!(layers(&root.join("one/manifest.json")), None, "no archive");
+        fs::remove_dir_all(&root).unwrap();
     }
 }
