@@ -50,6 +50,8 @@ fn quantities(joints: usize) -> Vec<Quantity> {
     ];
     let mut all: Vec<_> = three.iter().flat_map(|of| (0..3).map(of)).collect();
     all.extend((0..joints).map(Quantity::VirtualJoint));
+    all.extend((0..joints).map(Quantity::VirtualDisplacement));
+    all.extend((0..9).map(|k| Quantity::Rotation(k / 3, k % 3)));
     all.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion, Quantity::AxisHeight]);
     all.extend([Quantity::Displacement, Quantity::Residual, Quantity::Iterations]);
     all
@@ -92,8 +94,17 @@ fn expected(
     match quantity {
         Quantity::Side(side) => (pose.sides[side], length),
         Quantity::VirtualJoint(joint) => (pose.solution.virtual_joints[joint], length.max(angle)),
+        Quantity::VirtualDisplacement(joint) => {
+            let mut nominal = vec![0.0; model.joints().len()];
+            model.nominal(gpr.platform(), &mut nominal);
+            (pose.solution.virtual_joints[joint] - nominal[joint], length.max(angle))
+        }
         Quantity::Origin(axis) => (pose.base_from_platform.translation.vector[axis], length),
         Quantity::Normal(axis) => (pose.normal()[axis], angle),
+        Quantity::Rotation(row, column) => {
+            let unit = nalgebra::Vector3::ith(column, 1.0);
+            ((pose.base_from_platform * unit)[row], angle)
+        }
         // The smaller a tilt, the less accurate its azimuth.
         Quantity::Azimuth => (pose.tilt().azimuth, angle.max(1e-15 / pose.tilt().angle)),
         Quantity::TiltAngle => (pose.tilt().angle, angle),

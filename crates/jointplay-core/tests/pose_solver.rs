@@ -95,35 +95,65 @@ proptest! {
     }
 }
 
-/// Beyond the tilts for which it has polynomials, a solver computes as the robot does; without polynomials, its first step is prepared and rounds otherwise.
+const SOLVERS: [Solver; 3] = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm];
+
+/// Beyond the tilts for which it has polynomials, a solver computes as the robot does.
 #[test]
 fn steep_poses_are_those_of_the_robot_to_the_bit() {
     let gpr = Gpr::paper().without_limit_checks();
-    let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
-    for model in [BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Planar] {
-        let solver = PoseSolver::new(&gpr, model, &options).unwrap();
+    for (model, solver) in pairs() {
+        let options = SolveOptions { solver, ..SolveOptions::default() };
+        let prepared = PoseSolver::new(&gpr, model, &options).unwrap();
         for azimuth in 0..12 {
             let tilt = Tilt { azimuth: f64::from(azimuth), angle: 0.15 };
             let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
-            assert_eq!(solver.forward(rods), gpr.forward(rods, model.model(), &options));
+            assert_eq!(prepared.forward(rods), gpr.forward(rods, model.model(), &options));
+            let joints = gpr.virtual_joints(rods, model.model(), &options);
+            assert_eq!(prepared.virtual_joints(rods), joints);
         }
     }
 }
 
-/// Near level, polynomials answer: without a step; the offset model does not converge to round-off, and has none.
+/// Near level, polynomials answer for one pose: without a step; the offset model does not converge to round-off, and has none.
 #[test]
-fn least_displacements_within_the_limits_take_no_step() {
+fn single_poses_within_the_limits_take_no_step() {
     let gpr = Gpr::paper();
-    let options = SolveOptions { solver: Solver::LeastNorm, ..SolveOptions::default() };
-    for model in [BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Planar] {
-        let solver = PoseSolver::new(&gpr, model, &options).unwrap();
+    for (model, solver) in pairs() {
+        let options = SolveOptions { solver, ..SolveOptions::default() };
+        let prepared = PoseSolver::new(&gpr, model, &options).unwrap();
         for azimuth in 0..12 {
             for share in [0.1, 0.5, 0.99] {
                 let angle = share * gpr.limits().tilt_max;
                 let tilt = Tilt { azimuth: f64::from(azimuth), angle };
                 let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
-                assert_eq!(solver.forward(rods).unwrap().solution.iterations, 0, "{model:?}");
+                let found = prepared.forward(rods).unwrap().solution;
+                assert_eq!(found.iterations, 0, "{model:?} {solver}");
+                assert_eq!(
+                    found.solver,
+                    gpr.forward(rods, model.model(), &options).unwrap().solution.solver
+                );
             }
         }
     }
+}
+
+/// Polynomials answer only where the solver would: not without iterations.
+#[test]
+fn without_iterations_there_is_no_pose() {
+    let gpr = Gpr::paper();
+    for model in MODELS {
+        let options =
+            SolveOptions { solver: Solver::Newton, max_iterations: 0, ..SolveOptions::default() };
+        let prepared = PoseSolver::new(&gpr, model, &options).unwrap();
+        let rods = gpr.inverse(Tilt { azimuth: 0.3, angle: 0.01 }, AxisHeight(0.5)).unwrap();
+        let expected = gpr.forward(rods, model.model(), &options);
+        assert!(expected.is_err());
+        assert_eq!(prepared.forward(rods), expected);
+    }
+}
+
+/// Virtualizations that have polynomials, with each solver.
+fn pairs() -> impl Iterator<Item = (BuiltIn, Solver)> {
+    let models = [BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Planar];
+    models.into_iter().flat_map(|model| SOLVERS.map(|solver| (model, solver)))
 }

@@ -42,7 +42,8 @@ impl Gpr {
         status: &mut [Status],
         wanted: &mut [(Quantity, &mut [f64])],
     ) -> Result<StatusCounts, Error> {
-        Work { gpr: self, rods, virtualization, options, polynomials: None, status, wanted }
+        let (first_step, polynomials) = (None, None);
+        Work { gpr: self, rods, virtualization, options, first_step, polynomials, status, wanted }
             .compute()
     }
 }
@@ -53,6 +54,8 @@ pub(super) struct Work<'a, 'b> {
     pub(super) rods: [Column<'a>; 3],
     pub(super) virtualization: &'a dyn Virtualization,
     pub(super) options: &'a SolveOptions,
+    /// The first step from nominal, where it was prepared.
+    pub(super) first_step: Option<&'a FirstStep>,
     /// The virtual joints as polynomials, where they were prepared.
     pub(super) polynomials: Option<&'a JointPolynomials>,
     pub(super) status: &'a mut [Status],
@@ -91,11 +94,15 @@ impl Work<'_, '_> {
         let platform = self.gpr.platform();
         let length = self.options.metric.characteristic_length(platform)?;
         let task = Task::new::<M>(self.gpr.dimensions(), self.options, length);
-        match FirstStep::new(platform, self.virtualization, length) {
+        let own = match self.first_step {
+            Some(_) => None,
+            None => FirstStep::new(platform, self.virtualization, length),
+        };
+        match self.first_step.or(own.as_ref()) {
             // The kernel always takes one step.
             Some(first_step) if self.options.max_iterations > 0 => {
                 let polynomials = self.polynomials;
-                let task = Task { first_step: Some(&first_step), polynomials, ..task };
+                let task = Task { first_step: Some(first_step), polynomials, ..task };
                 // What a model never asks for is not compiled for it.
                 match (task.solver, polynomials.map(JointPolynomials::order)) {
                     (Solver::Newton, _) => self.by_method::<M, Newton>(task),
@@ -264,10 +271,12 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
 struct Needs {
     sides: bool,
     displacement: bool,
+    virtual_displacements: bool,
     ball_displacements: bool,
     residual: bool,
     iterations: bool,
     pose: bool,
+    rotation: bool,
     /// Angles of the tilt, or the height.
     coordinates: bool,
     azimuth: bool,
@@ -285,14 +294,17 @@ impl Needs {
         let torsion = any(|q| q == Quantity::Torsion);
         let axis_height = any(|q| q == Quantity::AxisHeight);
         let pose = any(|q| matches!(q, Quantity::Origin(_) | Quantity::Normal(_)));
+        let rotation = any(|q| matches!(q, Quantity::Rotation(..)));
         let coordinates = azimuth || tilt_angle || axis_height;
         Self {
             sides: any(|q| matches!(q, Quantity::Side(_))),
             displacement: any(|q| q == Quantity::Displacement),
+            virtual_displacements: any(|q| matches!(q, Quantity::VirtualDisplacement(_))),
             ball_displacements: any(|q| matches!(q, Quantity::BallDisplacement(_))),
             residual: any(|q| q == Quantity::Residual),
             iterations: any(|q| q == Quantity::Iterations),
-            pose: pose || coordinates || torsion,
+            pose: pose || coordinates || torsion || rotation,
+            rotation,
             coordinates,
             azimuth,
             tilt_angle,
@@ -304,7 +316,7 @@ impl Needs {
 }
 
 /// Places for the values of all quantities.
-const PLACES: usize = 28;
+const PLACES: usize = 43;
 
 /// Index of the value of a quantity among those of a block.
 #[inline]
@@ -323,6 +335,8 @@ fn place(quantity: Quantity) -> usize {
         Quantity::Residual => 23,
         Quantity::Iterations => 24,
         Quantity::BallDisplacement(ball) => 25 + ball,
+        Quantity::VirtualDisplacement(joint) => 28 + joint,
+        Quantity::Rotation(row, column) => 34 + 3 * row + column,
     }
 }
 
@@ -344,6 +358,13 @@ fn fill<S: Simd, M: Model>(
         values[place(Quantity::VirtualJoint(k))] = found.a[k];
         if M::ACROSS {
             values[place(Quantity::VirtualJoint(3 + k))] = found.b[k];
+        }
+    }
+    if needs.virtual_displacements {
+        let start = task.geometry.start::<M>();
+        for k in 0..3 {
+            values[place(Quantity::VirtualDisplacement(k))] = found.a[k] - start[k];
+            values[place(Quantity::VirtualDisplacement(3 + k))] = found.b[k];
         }
     }
     if needs.sides {
@@ -373,6 +394,19 @@ fn fill<S: Simd, M: Model>(
         }
         if needs.torsion {
             values[place(Quantity::Torsion)] = placed.torsion();
+        }
+        if needs.rotation {
+            let values = &mut *values;
+            zero.outlined(
+                #[inline(always)]
+                move || {
+                    for (column, axis) in placed.axes().into_iter().enumerate() {
+                        for (row, entry) in axis.into_iter().enumerate() {
+                            values[place(Quantity::Rotation(row, column))] = entry;
+                        }
+                    }
+                },
+            );
         }
         if needs.coordinates {
             let values = &mut *values;
@@ -436,8 +470,12 @@ fn value(
     Ok(match quantity {
         Quantity::Side(side) => pose.sides[side],
         Quantity::VirtualJoint(joint) => pose.solution.virtual_joints[joint],
+        Quantity::VirtualDisplacement(joint) => {
+            gpr.virtual_displacements(pose, virtualization)[joint]
+        }
         Quantity::Origin(axis) => pose.base_from_platform.translation.vector[axis],
         Quantity::Normal(axis) => pose.normal()[axis],
+        Quantity::Rotation(row, column) => pose.base_from_platform.rotation[(row, column)],
         Quantity::Azimuth => pose.tilt().azimuth,
         Quantity::TiltAngle => pose.tilt().angle,
         Quantity::Torsion => pose.torsion(),
@@ -485,7 +523,10 @@ mod tests {
         let three =
             [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::BallDisplacement];
         let mut quantities: Vec<_> = three.iter().flat_map(|of| (0..3).map(of)).collect();
-        quantities.extend((0..virtualization.joints().len()).map(Quantity::VirtualJoint));
+        let joints = virtualization.joints().len();
+        quantities.extend((0..joints).map(Quantity::VirtualJoint));
+        quantities.extend((0..joints).map(Quantity::VirtualDisplacement));
+        quantities.extend((0..9).map(|k| Quantity::Rotation(k / 3, k % 3)));
         quantities.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion]);
         quantities.extend([Quantity::AxisHeight, Quantity::Displacement, Quantity::Residual]);
         quantities.push(Quantity::Iterations);
@@ -502,6 +543,7 @@ mod tests {
             rods: rods.each_ref().map(|column| Column::from(&column[..])),
             virtualization,
             options,
+            first_step: None,
             polynomials: None,
             status: &mut status,
             wanted: &mut wanted,
@@ -587,6 +629,8 @@ mod tests {
         ];
         let mut places: Vec<_> = three.iter().flat_map(|of| (0..3).map(|k| place(of(k)))).collect();
         places.extend((0..6).map(|joint| place(Quantity::VirtualJoint(joint))));
+        places.extend((0..6).map(|joint| place(Quantity::VirtualDisplacement(joint))));
+        places.extend((0..9).map(|k| place(Quantity::Rotation(k / 3, k % 3))));
         places.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion].map(place));
         places.extend([Quantity::AxisHeight, Quantity::Displacement].map(place));
         places.extend([Quantity::Residual, Quantity::Iterations].map(place));

@@ -1,11 +1,15 @@
 //! Forward kinematics prepared for many calls.
 
+use std::marker::PhantomData;
+
+use pulp::{Simd, WithSimd};
+
 use super::forward::Work;
 use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
 use crate::gpr::{Gpr, PlatformPose, ball_sides, solution};
 use crate::kernel::{self, FirstStep, JointPolynomials, Model, SingleJoints, SinglePose, Task};
-use crate::virtualization::{BuiltIn, Solution, SolveOptions, Solver, VirtualJoints, solve};
+use crate::virtualization::{BuiltIn, Solution, SolveOptions, VirtualJoints, solve};
 
 /// Relative threshold of the interpolated poses: some ten times round-off.
 const SAMPLE_THRESHOLD: f64 = 4e-15;
@@ -14,8 +18,8 @@ const SLOPE_MARGIN: f64 = 1.4;
 
 /// Forward kinematics of one robot under one virtualization, prepared for many calls.
 ///
-/// Newton's method has its first step from nominal prepared, which is the same for all poses.
-/// The least displacement is a smooth function of the slopes of the plane through the balls near level: it is interpolated by polynomials, to 10⁻¹³ of the longest side; Newton's method takes as long as they do.
+/// The virtual joints are smooth functions of the slopes of the plane through the balls near level: they are interpolated by polynomials, to 10⁻¹³ of the longest side.
+/// Single poses use them with every solver, many poses for least displacements only: Newton's method takes as long as they do there, a closed form less; the first step of Newton's method is prepared.
 /// Each pose is checked: where its sides are not met, or the tilt is larger, it is computed as by [`Gpr::forward`].
 ///
 /// ```
@@ -39,7 +43,7 @@ pub struct PoseSolver {
 }
 
 impl PoseSolver {
-    /// Prepares a robot: for least displacements, some hundred poses are computed.
+    /// Prepares a robot: some hundred poses are computed.
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::OutOfRange`] for the metric.
@@ -54,21 +58,16 @@ impl PoseSolver {
             first_step: FirstStep::new(gpr.platform(), model, characteristic_length),
             polynomials: None,
         };
-        let smooth = match virtualization {
-            BuiltIn::Radial => solver.has_polynomials::<kernel::Radial>(),
-            BuiltIn::Polar => solver.has_polynomials::<kernel::Polar>(),
-            BuiltIn::Offset => solver.has_polynomials::<kernel::Offset>(),
-            BuiltIn::Planar => solver.has_polynomials::<kernel::Planar>(),
+        let settles = match virtualization {
+            BuiltIn::Radial => kernel::Radial::SETTLES,
+            BuiltIn::Polar => kernel::Polar::SETTLES,
+            BuiltIn::Offset => kernel::Offset::SETTLES,
+            BuiltIn::Planar => kernel::Planar::SETTLES,
         };
-        if smooth {
+        if settles {
             solver.polynomials = solver.interpolated();
         }
         Ok(solver)
-    }
-
-    /// Whether the virtual joints are least displacements that polynomials can replace.
-    fn has_polynomials<M: Model>(&self) -> bool {
-        M::SETTLES && self.task::<M>().solver == Solver::LeastNorm
     }
 
     /// The virtual joints as polynomials.
@@ -134,6 +133,7 @@ impl PoseSolver {
             rods,
             virtualization: self.virtualization.model(),
             options: &self.options,
+            first_step: self.first_step.as_ref(),
             polynomials: self.polynomials.as_ref(),
             status,
             wanted,
@@ -150,33 +150,67 @@ impl PoseSolver {
 
     #[inline]
     fn pose<M: Model>(&self, rods: [f64; 3]) -> Result<PlatformPose, Error> {
-        self.gpr.dimensions().processor.run(
-            #[inline(always)]
-            || {
-                let task = self.task::<M>();
-                match SinglePose::new::<M>(&task, &rods) {
-                    Some(found) => {
-                        Ok(self.gpr.found_pose(rods, &task, self.characteristic_length, found))
-                    }
-                    None => self.gpr.forward(rods, self.virtualization.model(), &self.options),
-                }
-            },
-        )
+        let call = PoseCall::<M> { solver: self, rods, model: PhantomData };
+        self.gpr.dimensions().processor.run_wide(call)
     }
 
     #[inline]
     fn joints<M: Model>(&self, rods: [f64; 3]) -> Result<Solution, Error> {
-        self.gpr.dimensions().processor.run(
-            #[inline(always)]
-            || {
-                let task = self.task::<M>();
-                match SingleJoints::new::<M>(&task, &rods) {
-                    Some(found) => Ok(solution(&task, self.characteristic_length, found)),
-                    None => {
-                        self.gpr.virtual_joints(rods, self.virtualization.model(), &self.options)
-                    }
-                }
-            },
-        )
+        let call = JointsCall::<M> { solver: self, rods, model: PhantomData };
+        self.gpr.dimensions().processor.run_wide(call)
+    }
+}
+
+/// One pose of a prepared solver.
+struct PoseCall<'s, M> {
+    solver: &'s PoseSolver,
+    rods: [f64; 3],
+    model: PhantomData<M>,
+}
+
+impl<M: Model> WithSimd for PoseCall<'_, M> {
+    type Output = Result<PlatformPose, Error>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { solver, rods, .. } = self;
+        let task = solver.task::<M>();
+        let found = if M::SETTLES && task.polynomials.is_some() {
+            SinglePose::by_polynomials::<S, M>(simd, &task, &rods)
+        } else {
+            SinglePose::new::<M>(&task, &rods)
+        };
+        match found {
+            Some(found) => {
+                Ok(solver.gpr.found_pose(rods, &task, solver.characteristic_length, found))
+            }
+            None => solver.gpr.forward(rods, solver.virtualization.model(), &solver.options),
+        }
+    }
+}
+
+/// The virtual joints of one pose of a prepared solver.
+struct JointsCall<'s, M> {
+    solver: &'s PoseSolver,
+    rods: [f64; 3],
+    model: PhantomData<M>,
+}
+
+impl<M: Model> WithSimd for JointsCall<'_, M> {
+    type Output = Result<Solution, Error>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { solver, rods, .. } = self;
+        let task = solver.task::<M>();
+        let found = if M::SETTLES && task.polynomials.is_some() {
+            SingleJoints::by_polynomials::<S, M>(simd, &task, &rods)
+        } else {
+            SingleJoints::new::<M>(&task, &rods)
+        };
+        match found {
+            Some(found) => Ok(solution(&task, solver.characteristic_length, found)),
+            None => solver.gpr.virtual_joints(rods, solver.virtualization.model(), &solver.options),
+        }
     }
 }

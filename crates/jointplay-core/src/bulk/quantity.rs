@@ -12,10 +12,14 @@ pub enum Quantity {
     Side(usize),
     /// Displacement of a virtual joint, in the order of X ((m), (rad)).
     VirtualJoint(usize),
+    /// Displacement of a virtual joint from nominal, in the order of X ((m), (rad)).
+    VirtualDisplacement(usize),
     /// e_b1, e_b2 or e_b3 coordinate of O_p (m); the first two are the centre shift.
     Origin(usize),
     /// e_b1, e_b2 or e_b3 coordinate of the platform normal.
     Normal(usize),
+    /// Row and column of the rotation from the platform frame to the base frame; the last column is the normal.
+    Rotation(usize, usize),
     /// Azimuth toward which the platform tilts, from −π to π (rad).
     Azimuth,
     /// Tilt angle, from 0 to π (rad).
@@ -44,9 +48,12 @@ impl Quantity {
     pub fn check(self, virtualization: &dyn Virtualization) -> Result<(), Error> {
         let (what, index, count) = match self {
             Self::Side(index) => ("side", index, 3),
-            Self::VirtualJoint(index) => ("virtual joint", index, virtualization.joints().len()),
+            Self::VirtualJoint(index) | Self::VirtualDisplacement(index) => {
+                ("virtual joint", index, virtualization.joints().len())
+            }
             Self::Origin(index) => ("coordinate of the origin", index, 3),
             Self::Normal(index) => ("coordinate of the normal", index, 3),
+            Self::Rotation(row, column) => ("row or column of the rotation", row.max(column), 3),
             Self::BallDisplacement(index) => ("displacement of a ball", index, 3),
             Self::Sensitivity(index) => ("singular value of the sensitivity", index, 3),
             _ => return Ok(()),

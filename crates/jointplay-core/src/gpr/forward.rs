@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::{AxisHeight, Gpr, ball_sides};
 use crate::Error;
-use crate::error::length;
+use crate::error::{LARGEST_LENGTH, length};
 use crate::float::sqrt;
 #[cfg(feature = "std")]
 use crate::kernel::{self, Model, SingleJoints, SinglePose, Task};
@@ -101,6 +101,15 @@ impl Gpr {
     /// Whether rods are numbers, and within the limits of a robot that checks them.
     #[inline]
     pub(crate) fn check_rods(&self, rods: &[f64; 3]) -> Result<(), Error> {
+        let moderate = rods.iter().all(|rod| rod.abs() < LARGEST_LENGTH);
+        if moderate && (!self.checks_limits() || self.clearly_within_limits(rods)) {
+            return Ok(());
+        }
+        self.check_doubtful_rods(rods)
+    }
+
+    #[cold]
+    fn check_doubtful_rods(&self, rods: &[f64; 3]) -> Result<(), Error> {
         for &rod in rods {
             length("a rod length", rod)?;
         }

@@ -1,14 +1,14 @@
-//! The virtual joints of many poses by polynomials of the slopes.
+//! The virtual joints by polynomials of the slopes: those of many poses side by side, or all those of one.
 
-use pulp::Simd;
+use pulp::{Scalar, Simd};
 
 use super::found::Found;
 use super::geometry::Task;
-use super::joint_polynomials::{JointPolynomials, Order, TERMS};
-use super::lanes::Lanes;
+use super::joint_polynomials::{Coefficients, JOINTS, JointPolynomials, Order, TERMS};
+use super::lanes::{Lanes, MOST};
 use super::model::Model;
 use super::polar;
-use super::shape::{Balls, Shape};
+use super::shape::{Balls, Shape, Three};
 use super::solve::{LeastNorm, Method, closed};
 
 /// The least displacement by polynomials of degree 2 N for the slopes that they are made for, else by steps.
@@ -29,19 +29,6 @@ impl<const N: usize> Method for ByPolynomials<N> {
 }
 
 impl JointPolynomials {
-    /// As [`Self::found`], by their own order.
-    #[inline(always)]
-    pub(super) fn found_by_order<S: Simd, M: Model>(
-        &self,
-        task: &Task<'_>,
-        balls: &Balls<S>,
-    ) -> Found<S> {
-        match self.order() {
-            Order::Three => self.found::<S, M, 3>(task, balls),
-            Order::Four => self.found::<S, M, 4>(task, balls),
-        }
-    }
-
     /// The virtual joints of many poses, where the slopes are not too large and the sides are met.
     #[inline(always)]
     fn found<S: Simd, M: Model, const N: usize>(
@@ -49,29 +36,77 @@ impl JointPolynomials {
         task: &Task<'_>,
         balls: &Balls<S>,
     ) -> Found<S> {
-        let [first, second] = self.slopes;
-        let (x, y) = (slope(balls, first), slope(balls, second));
-        let terms = terms::<S, N>(x, y);
+        let terms = self.terms::<S, N>(balls);
         let rows = &self.coefficients;
-        let a = [
-            value::<S, N>(&rows[0], &terms),
-            value::<S, N>(&rows[1], &terms),
-            value::<S, N>(&rows[2], &terms),
-        ];
-        let mut b = [x.like(0.0); 3];
-        if M::ACROSS {
-            b[0] = value::<S, N>(&rows[3], &terms);
-            b[1] = value::<S, N>(&rows[4], &terms);
-            // Turns of neighbours in opposite senses leave the sum of the angles as it is.
-            b[2] = if M::AROUND_CENTER { -(b[0] + b[1]) } else { value::<S, N>(&rows[5], &terms) };
+        let mut joints = [terms[0].like(0.0); JOINTS];
+        for (k, joint) in joints.iter_mut().enumerate() {
+            if k < 3 || M::ACROSS && !(M::AROUND_CENTER && k == 5) {
+                *joint = value::<S, N>(rows, k, &terms);
+            }
         }
-        let found = if M::AROUND_CENTER {
-            polar::closed(task, balls, a, b)
-        } else {
-            closed(balls, task, Shape::at::<M>(task.geometry, a, b))
-        };
-        Found { met: found.met & terms[1].at_most(terms[0]), ..found }
+        let [a_1, a_2, a_3, b_1, b_2, b_3] = joints;
+        checked::<S, M>(task, balls, [a_1, a_2, a_3], [b_1, b_2, b_3], &terms)
     }
+
+    /// The virtual joints of one pose, side by side; met where the slopes are not too large and the sides are met.
+    #[inline(always)]
+    pub(super) fn found_one<W: Simd, M: Model>(
+        &self,
+        wide: W,
+        task: &Task<'_>,
+        balls: &Balls<Scalar>,
+    ) -> Found<Scalar> {
+        match self.order() {
+            Order::Three => self.one::<W, M, 3>(wide, task, balls),
+            Order::Four => self.one::<W, M, 4>(wide, task, balls),
+        }
+    }
+
+    #[inline(always)]
+    fn one<W: Simd, M: Model, const N: usize>(
+        &self,
+        wide: W,
+        task: &Task<'_>,
+        balls: &Balls<Scalar>,
+    ) -> Found<Scalar> {
+        let terms = self.terms::<Scalar, N>(balls);
+        let count = if M::ACROSS { JOINTS } else { JOINTS / 2 };
+        let joints = values::<W, N>(wide, &self.coefficients, count, &terms);
+        let (mut a, mut b) = ([terms[0]; 3], [terms[0]; 3]);
+        for k in 0..3 {
+            a[k] = terms[0].like(joints[k]);
+            b[k] = terms[0].like(joints[3 + k]);
+        }
+        checked::<Scalar, M>(task, balls, a, b, &terms)
+    }
+
+    /// Terms for the slopes of planes through the balls.
+    #[inline(always)]
+    fn terms<S: Simd, const N: usize>(&self, balls: &Balls<S>) -> [Lanes<S>; TERMS] {
+        let [first, second] = self.slopes;
+        terms::<S, N>(slope(balls, first), slope(balls, second))
+    }
+}
+
+/// Sockets at given coordinates; met where their sides are, and the slopes are not too large.
+#[inline(always)]
+fn checked<S: Simd, M: Model>(
+    task: &Task<'_>,
+    balls: &Balls<S>,
+    a: Three<S>,
+    mut b: Three<S>,
+    terms: &[Lanes<S>; TERMS],
+) -> Found<S> {
+    if M::AROUND_CENTER {
+        // Turns of neighbours in opposite senses leave the sum of the angles as it is.
+        b[2] = -(b[0] + b[1]);
+    }
+    let found = if M::AROUND_CENTER {
+        polar::closed(task, balls, a, b)
+    } else {
+        closed(balls, task, Shape::at::<M>(task.geometry, a, b))
+    };
+    Found { met: found.met & terms[1].at_most(terms[0]), ..found }
 }
 
 /// A slope of the plane through the balls, divided by the largest.
@@ -107,17 +142,108 @@ fn terms<S: Simd, const N: usize>(x: Lanes<S>, y: Lanes<S>) -> [Lanes<S>; TERMS]
     ]
 }
 
-/// Value of a polynomial: two sums, so that neither waits for all terms.
+/// Value of the polynomial of a virtual joint: two sums, so that neither waits for all terms.
 #[inline(always)]
-fn value<S: Simd, const N: usize>(row: &[f64; TERMS], terms: &[Lanes<S>; TERMS]) -> Lanes<S> {
+fn value<S: Simd, const N: usize>(
+    coefficients: &Coefficients,
+    joint: usize,
+    terms: &[Lanes<S>; TERMS],
+) -> Lanes<S> {
     let (low, high) = (N * N, (N + 1) * (N + 1));
-    let mut sum = terms[0].like(row[0]);
+    let Coefficients(rows) = coefficients;
+    let mut sum = terms[0].like(rows[0][joint]);
     for k in (1..low).rev() {
-        sum = terms[k].times_plus(sum.like(row[k]), sum);
+        sum = terms[k].times_plus(sum.like(rows[k][joint]), sum);
     }
-    let mut rest = terms[low] * row[low];
+    let mut rest = terms[low] * rows[low][joint];
     for k in low + 1..high {
-        rest = terms[k].times_plus(sum.like(row[k]), rest);
+        rest = terms[k].times_plus(sum.like(rows[k][joint]), rest);
     }
     sum + rest
+}
+
+/// Values of the polynomials of the first `count` virtual joints, side by side: a sum for each degree, so that none waits for the others.
+#[inline(always)]
+fn values<W: Simd, const N: usize>(
+    wide: W,
+    coefficients: &Coefficients,
+    count: usize,
+    terms: &[Lanes<Scalar>; TERMS],
+) -> [f64; MOST] {
+    let mut values = [0.0; MOST];
+    for first in (0..count).step_by(Lanes::<W>::COUNT) {
+        let low = row(wide, coefficients, 0, first) + degree(wide, coefficients, 1, first, terms);
+        let high = degree(wide, coefficients, 2, first, terms)
+            + degree(wide, coefficients, 3, first, terms);
+        let mut sum = low + high;
+        if N > 3 {
+            sum = sum + degree(wide, coefficients, 4, first, terms);
+        }
+        sum.store(&mut values, first);
+    }
+    values
+}
+
+/// Coefficients of a term in as many virtual joints as there are lanes.
+#[inline(always)]
+fn row<W: Simd>(wide: W, coefficients: &Coefficients, term: usize, first: usize) -> Lanes<W> {
+    Lanes::of(wide, &coefficients.0[term][first..first + Lanes::<W>::COUNT])
+}
+
+/// Sum of the terms of degree 2n.
+#[inline(always)]
+fn degree<W: Simd>(
+    wide: W,
+    coefficients: &Coefficients,
+    n: usize,
+    first: usize,
+    terms: &[Lanes<Scalar>; TERMS],
+) -> Lanes<W> {
+    let from = n * n;
+    let mut sum = row(wide, coefficients, from, first) * terms[from].number();
+    for k in from + 1..(n + 1) * (n + 1) {
+        let term = Lanes::splat(wide, terms[k].number());
+        sum = row(wide, coefficients, k, first).times_plus(term, sum);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Programs and processors that differ in registers find the same virtual joints.
+    #[test]
+    fn values_have_the_same_bits_in_all_registers() {
+        let mut next = 1.0_f64;
+        let mut number = || {
+            next = (next * 1.618_033_988_749_895).fract() + 1e-3;
+            next - 0.5
+        };
+        let mut rows = [[0.0; MOST]; TERMS];
+        rows.iter_mut().for_each(|row| row[..JOINTS].fill_with(&mut number));
+        let coefficients = Coefficients(rows);
+        let terms =
+            terms::<Scalar, 4>(Lanes::splat(Scalar, number()), Lanes::splat(Scalar, number()));
+        let bits = |values: [f64; MOST]| values[..JOINTS].iter().map(|x| x.to_bits()).collect();
+        let expected: Vec<u64> = bits(values::<_, 4>(Scalar, &coefficients, JOINTS, &terms));
+        for joint in 0..JOINTS {
+            let alone = value::<Scalar, 4>(&coefficients, joint, &terms).number();
+            assert!((alone - f64::from_bits(expected[joint])).abs() < 1e-14);
+        }
+        let check = |found: [f64; MOST]| assert_eq!(bits(found), expected);
+        check(values::<_, 4>(pulp::Scalar128b, &coefficients, JOINTS, &terms));
+        check(values::<_, 4>(pulp::Scalar256b, &coefficients, JOINTS, &terms));
+        check(values::<_, 4>(pulp::Scalar512b, &coefficients, JOINTS, &terms));
+        struct Wide<'a>(&'a Coefficients, &'a [Lanes<Scalar>; TERMS]);
+        impl pulp::WithSimd for Wide<'_> {
+            type Output = [f64; MOST];
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+                values::<S, 4>(simd, self.0, JOINTS, self.1)
+            }
+        }
+        check(pulp::Arch::new().dispatch(Wide(&coefficients, &terms)));
+    }
 }

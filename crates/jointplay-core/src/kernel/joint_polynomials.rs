@@ -13,10 +13,13 @@
 
 use std::f64::consts::PI;
 
+use super::lanes::MOST;
 use crate::virtualization::VirtualJoints;
 
 /// Most terms of a polynomial.
 pub(super) const TERMS: usize = 25;
+/// Most virtual joints.
+pub(super) const JOINTS: usize = 6;
 /// Largest error of the sockets, as a share of the longest side of the base.
 const LARGEST_ERROR: f64 = 1e-13;
 /// Largest slope that is tried: that of 20°.
@@ -37,8 +40,26 @@ pub(crate) struct JointPolynomials {
     order: Order,
     /// From the first two differences of rods to slopes, divided by the largest (1/m).
     pub(super) slopes: [[f64; 2]; 2],
-    /// Coefficients of each virtual joint ((m), (rad)).
-    pub(super) coefficients: [[f64; TERMS]; 6],
+    pub(super) coefficients: Coefficients,
+}
+
+/// For each term, its coefficient in each virtual joint ((m), (rad)); then zeros, so that those of a term fill the widest register.
+#[derive(Debug, Clone, PartialEq)]
+#[repr(align(64))]
+pub(super) struct Coefficients(pub(super) [[f64; MOST]; TERMS]);
+
+impl Coefficients {
+    /// # Arguments
+    /// * `rows` – coefficients of each virtual joint
+    fn new(rows: &[[f64; TERMS]; JOINTS]) -> Self {
+        let mut coefficients = [[0.0; MOST]; TERMS];
+        for (joint, row) in rows.iter().enumerate() {
+            for (term, coefficient) in row.iter().enumerate() {
+                coefficients[term][joint] = *coefficient;
+            }
+        }
+        Self(coefficients)
+    }
 }
 
 impl JointPolynomials {
@@ -60,14 +81,14 @@ impl JointPolynomials {
         joints: impl Fn([f64; 2]) -> Option<VirtualJoints>,
     ) -> Option<Self> {
         let joints = |slope: [f64; 2]| {
-            let mut row = [0.0; 6];
+            let mut row = [0.0; JOINTS];
             let found = joints(slope)?;
             row[..found.len()].copy_from_slice(&found);
             Some(row)
         };
         let squares = base_edges.map(|[x, y]| x * x + y * y);
         let allowed = LARGEST_ERROR * squares[0].max(squares[1]).max(squares[2]).sqrt();
-        let error = |coefficients: &[[f64; TERMS]; 6], order: usize, largest: f64| {
+        let error = |coefficients: &[[f64; TERMS]; JOINTS], order: usize, largest: f64| {
             let mut error = 0.0_f64;
             for point in points(order, extrema, 0.5) {
                 let expected = joints(point.map(|slope| slope * largest))?;
@@ -86,6 +107,7 @@ impl JointPolynomials {
                 let Some(coefficients) = interpolate(&joints, number, largest) else { continue };
                 let Some(error) = error(&coefficients, number, largest) else { continue };
                 if error <= allowed {
+                    let coefficients = Coefficients::new(&coefficients);
                     return Some(Self { order, slopes: slopes(base_edges, largest), coefficients });
                 }
                 // The first omitted term is of this degree.
@@ -162,13 +184,13 @@ fn points(
 
 /// Coefficients of the polynomials that interpolate the virtual joints; `None` where a point has none.
 fn interpolate(
-    joints: &impl Fn([f64; 2]) -> Option<[f64; 6]>,
+    joints: &impl Fn([f64; 2]) -> Option<[f64; JOINTS]>,
     order: usize,
     largest: f64,
-) -> Option<[[f64; TERMS]; 6]> {
+) -> Option<[[f64; TERMS]; JOINTS]> {
     let along = 2 * order + 1;
     let level = joints([0.0; 2])?;
-    let mut values = [[[0.0; 9]; 4]; 6];
+    let mut values = [[[0.0; 9]; 4]; JOINTS];
     for (i, point) in points(order, nodes, 0.0).enumerate() {
         let (circle, k) = (i / along, i % along);
         let found = joints(point.map(|slope| slope * largest))?;
@@ -176,7 +198,7 @@ fn interpolate(
             value[circle][k] = (found - level) / nodes(circle, order);
         }
     }
-    let mut rows = [[0.0; TERMS]; 6];
+    let mut rows = [[0.0; TERMS]; JOINTS];
     for ((row, values), level) in rows.iter_mut().zip(&values).zip(level) {
         row[0] = level;
         for m in 0..=order {

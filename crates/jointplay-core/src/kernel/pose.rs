@@ -114,10 +114,10 @@ impl<S: Simd> PlatformPoses<S> {
         // The axes of a platform without torsion, then turned about the normal.
         let first = [slope_x.times_from(n_x, one), -(slope_x * n_y), -(slope_x * slope_z)];
         let second = [-(slope_y * n_x), slope_y.times_from(n_y, one), -(slope_y * slope_z)];
-        // To the last digit, so that a platform without torsion has none.
+        // A second step to length one, with what is missing from it to the last digit, so that a platform without torsion has none.
         let [cosine, sine] = self.turn;
-        let length = cosine.times_plus(cosine, sine * sine).sqrt();
-        let (cosine, sine) = (cosine / length, sine / length);
+        let missing = sine.times_from(sine, cosine.times_from(cosine, one)) * 0.5;
+        let (cosine, sine) = (cosine.times_plus(missing, cosine), sine.times_plus(missing, sine));
         let mut axes = [first, second, self.normal];
         for axis in 0..3 {
             let (a, b) = (first[axis], second[axis]);

@@ -18,6 +18,12 @@ impl Processor {
     pub(crate) fn run<T>(self, function: impl FnOnce() -> T) -> T {
         self.0.dispatch(Run(function))
     }
+
+    /// Compiles work in the registers of the processor, and does it; see [`Self::run`].
+    #[inline]
+    pub(crate) fn run_wide<W: WithSimd>(self, work: W) -> W::Output {
+        self.0.dispatch(work)
+    }
 }
 
 /// All processors compute the same bits.

@@ -1,7 +1,7 @@
 //! One pose at a time.
 
 use nalgebra::{Matrix3, Rotation3, Translation3};
-use pulp::Scalar;
+use pulp::{Scalar, Simd};
 
 use super::found::Found;
 use super::geometry::{Geometry, Task};
@@ -40,28 +40,50 @@ struct Solved {
 }
 
 impl Solved {
-    /// `None` where the answer is not beyond doubt.
+    /// By the solver of the task; `None` where the answer is not beyond doubt.
     #[inline(always)]
     fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
         if task.max_iterations == 0 {
             return None;
         }
-        let geometry = task.geometry;
-        let [a, b, c] = *rods;
-        let rods = [Lanes::splat(Scalar, a), Lanes::splat(Scalar, b), Lanes::splat(Scalar, c)];
-        let balls = Balls::new(geometry, rods);
-        // Nothing else is compiled with polynomials, whose numbers would be kept in memory for it.
-        let found = match task.polynomials {
-            Some(polynomials) if M::SETTLES => {
-                polynomials.found_by_order::<Scalar, M>(task, &balls)
-            }
-            _ => solved::<Scalar, M>(task, &balls),
-        };
+        let balls = balls(task.geometry, rods);
+        Self::certain(task.geometry, balls, solved::<Scalar, M>(task, &balls))
+    }
+
+    /// By the polynomials of the task; `None` without them, or where the answer is not beyond doubt.
+    #[inline(always)]
+    fn by_polynomials<W: Simd, M: Model>(
+        wide: W,
+        task: &Task<'_>,
+        rods: &[f64; 3],
+    ) -> Option<Self> {
+        let balls = balls(task.geometry, rods);
+        let found = task.polynomials?.found_one::<W, M>(wide, task, &balls);
+        Self::certain(task.geometry, balls, found)
+    }
+
+    #[inline(always)]
+    fn certain(geometry: &Geometry, balls: Balls<Scalar>, found: Found<Scalar>) -> Option<Self> {
         let upright = balls.mean.like(0.0).below(found.area * geometry.base_area);
         // Steeper triangles are slender: round-off in their sides is large in their corners.
         let plane = Plane::new(geometry, &balls);
         let flat = plane.area.at_most(plane.area.like(STEEPEST * geometry.base_area.abs()));
         (found.met & upright & flat).any().then_some(Self { balls, plane, found })
+    }
+
+    #[inline(always)]
+    fn pose<M: Model>(&self, geometry: &Geometry) -> SinglePose {
+        let shape = Shape::at::<M>(geometry, self.found.a, self.found.b);
+        let placed = PlatformPoses::new(geometry, &self.balls, &self.plane, &shape);
+        let axes = placed.axes().map(|axis| axis.map(Lanes::number));
+        let rotation = Matrix3::from_columns(&axes.map(Into::into));
+        SinglePose {
+            joints: self.joints::<M>(geometry),
+            base_from_platform: Pose::from_parts(
+                Translation3::from(placed.origin.map(Lanes::number)),
+                Rotation3::from_matrix_unchecked(rotation),
+            ),
+        }
     }
 
     #[inline(always)]
@@ -84,6 +106,14 @@ impl Solved {
     }
 }
 
+/// The balls of one pose.
+#[inline(always)]
+fn balls(geometry: &Geometry, rods: &[f64; 3]) -> Balls<Scalar> {
+    let [a, b, c] = *rods;
+    let rods = [Lanes::splat(Scalar, a), Lanes::splat(Scalar, b), Lanes::splat(Scalar, c)];
+    Balls::new(geometry, rods)
+}
+
 impl SingleJoints {
     /// The virtual joints for given rods; `None` where the answer is not beyond doubt.
     ///
@@ -92,24 +122,32 @@ impl SingleJoints {
     pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
         Some(Solved::new::<M>(task, rods)?.joints::<M>(task.geometry))
     }
+
+    /// The virtual joints for given rods by the polynomials of the task; `None` without them, or where the answer is not beyond doubt.
+    #[inline(always)]
+    pub(crate) fn by_polynomials<W: Simd, M: Model>(
+        wide: W,
+        task: &Task<'_>,
+        rods: &[f64; 3],
+    ) -> Option<Self> {
+        Some(Solved::by_polynomials::<W, M>(wide, task, rods)?.joints::<M>(task.geometry))
+    }
 }
 
 impl SinglePose {
     /// The pose for given rods; `None` where the answer is not beyond doubt; see [`SingleJoints::new`].
     #[inline(always)]
     pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
-        let solved = Solved::new::<M>(task, rods)?;
-        let geometry = task.geometry;
-        let shape = Shape::at::<M>(geometry, solved.found.a, solved.found.b);
-        let placed = PlatformPoses::new(geometry, &solved.balls, &solved.plane, &shape);
-        let axes = placed.axes().map(|axis| axis.map(Lanes::number));
-        let rotation = Matrix3::from_columns(&axes.map(Into::into));
-        Some(Self {
-            joints: solved.joints::<M>(geometry),
-            base_from_platform: Pose::from_parts(
-                Translation3::from(placed.origin.map(Lanes::number)),
-                Rotation3::from_matrix_unchecked(rotation),
-            ),
-        })
+        Some(Solved::new::<M>(task, rods)?.pose::<M>(task.geometry))
+    }
+
+    /// The pose for given rods; see [`SingleJoints::by_polynomials`].
+    #[inline(always)]
+    pub(crate) fn by_polynomials<W: Simd, M: Model>(
+        wide: W,
+        task: &Task<'_>,
+        rods: &[f64; 3],
+    ) -> Option<Self> {
+        Some(Solved::by_polynomials::<W, M>(wide, task, rods)?.pose::<M>(task.geometry))
     }
 }
