@@ -3,6 +3,7 @@
 //! Entries check pointers and numbers, call the library, and copy results; they compute nothing.
 //! Each entry catches panics, so that none unwinds into foreign code.
 
+mod block;
 mod catch;
 pub mod fmi;
 mod mechanism;

@@ -1,28 +1,51 @@
 //! The three-rod robot.
 
 use std::ffi::c_char;
+use std::sync::OnceLock;
 
+use jointplay::bulk::PoseSolver;
 use jointplay::format::robot::{self, Robot};
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::spatial::Tilt;
-use jointplay::virtualization::SolveOptions;
+use jointplay::virtualization::{BuiltIn, SolveOptions};
 
+use crate::block::{BLOCK, Block};
 use crate::catch::{Failure, entry, value};
 use crate::pointer::{finite, give, numbers, object, take, text, writable, write};
 use crate::request;
+use crate::status::JP_OK;
 use crate::transform::{ENTRIES, entries};
-use crate::virtualization::{JP_MAX_VIRTUAL_JOINTS, with_virtualization};
+use crate::virtualization::{JP_MAX_VIRTUAL_JOINTS, KNOWN, known};
 
 /// A three-rod robot. It never changes: any number of threads may use it at a time.
 pub struct JpRobot {
     gpr: Gpr,
     /// Options of every solution.
     options: SolveOptions,
+    /// Forward kinematics of each virtualization, prepared at its first call.
+    solvers: [OnceLock<PoseSolver>; KNOWN.len()],
 }
 
 impl JpRobot {
     fn new(robot: Robot) -> Self {
-        Self { gpr: robot.gpr, options: SolveOptions::default() }
+        let solvers = KNOWN.map(|_| OnceLock::new());
+        Self { gpr: robot.gpr, options: SolveOptions::default(), solvers }
+    }
+
+    /// A virtualization by its code, and forward kinematics under it.
+    #[inline]
+    fn solver(&self, code: i32) -> Result<(BuiltIn, &PoseSolver), Failure> {
+        let (index, chosen) = known(code)?;
+        match self.solvers[index].get() {
+            Some(solver) => Ok((chosen, solver)),
+            None => Ok((chosen, self.prepared(index)?)),
+        }
+    }
+
+    #[cold]
+    fn prepared(&self, index: usize) -> Result<&PoseSolver, Failure> {
+        let solver = PoseSolver::new(&self.gpr, KNOWN[index], &self.options)?;
+        Ok(self.solvers[index].get_or_init(|| solver))
     }
 }
 
@@ -128,23 +151,23 @@ pub unsafe extern "C" fn jp_robot_forward(
         let robot = unsafe { object(robot, "robot") }?;
         // SAFETY: the caller promises 3 numbers.
         let rods = unsafe { numbers::<3>(rods, "rods") }?;
-        with_virtualization!(virtualization, chosen => {
-            let found = robot.gpr.forward(rods, chosen, &robot.options);
-            // A reference, since moving a pose copies it.
-            let found = found.as_ref()?;
-            // SAFETY: NULL or room, by the caller's promise.
-            unsafe { write(pose, &entries(&found.base_from_platform)) };
-            if !virtual_joints.is_null() {
-                // SAFETY: as above.
-                unsafe { write(virtual_joints, &padded(&robot.gpr.virtual_displacements(found, chosen))) };
-            }
-            if !tilt.is_null() {
-                let Tilt { azimuth, angle } = found.tilt();
-                // SAFETY: as above.
-                unsafe { write(tilt, &[azimuth, angle, found.axis_height().0]) };
-            }
-            Ok(())
-        })
+        let (chosen, solver) = robot.solver(virtualization)?;
+        let found = solver.forward(rods);
+        // A reference, since moving a pose copies it.
+        let found = found.as_ref()?;
+        // SAFETY: NULL or room, by the caller's promise.
+        unsafe { write(pose, &entries(&found.base_from_platform)) };
+        if !virtual_joints.is_null() {
+            let displaced = robot.gpr.virtual_displacements(found, chosen.model());
+            // SAFETY: as above.
+            unsafe { write(virtual_joints, &padded(&displaced)) };
+        }
+        if !tilt.is_null() {
+            let Tilt { azimuth, angle } = found.tilt();
+            // SAFETY: as above.
+            unsafe { write(tilt, &[azimuth, angle, found.axis_height().0]) };
+        }
+        Ok(())
     })
 }
 
@@ -156,8 +179,18 @@ fn padded(values: &[f64]) -> [f64; JP_MAX_VIRTUAL_JOINTS] {
     all
 }
 
-/// Poses of the platform for `count` sets of 3 rod lengths (m), each as by `jp_robot_forward`.
+/// Why a set has no pose.
+#[cold]
+fn failure(solver: &PoseSolver, set: &[f64; 3]) -> Failure {
+    match finite(set, "rods").and_then(|()| Ok(solver.forward(*set)?)) {
+        Err(failure) => failure,
+        Ok(_) => Failure::internal("a set has a pose by itself, but none among others"),
+    }
+}
+
+/// Poses of the platform for `count` sets of 3 rod lengths (m), each as by `jp_robot_forward` to 10⁻¹² of the size of the platform.
 ///
+/// Many sets are computed at a time, which takes a fraction of the time of as many calls.
 /// `poses` takes 16 numbers for each set; `virtual_joints`, if not NULL, takes `JP_MAX_VIRTUAL_JOINTS` numbers for each set.
 /// `codes` takes a code for each set. Sets without a pose are NaN and have their code; the function then returns the code of the first one, with its error.
 ///
@@ -179,36 +212,33 @@ pub unsafe extern "C" fn jp_robot_forward_many(
         writable(rods.cast_mut(), "rods")?;
         writable(poses, "poses")?;
         writable(codes, "codes")?;
+        let (chosen, solver) = robot.solver(virtualization)?;
+        let joints = if virtual_joints.is_null() { 0 } else { chosen.model().joints().len() };
         let mut first = None;
-        with_virtualization!(virtualization, chosen => {
-            for i in 0..count {
-                // SAFETY: `i` is below `count`, and the caller promises 3 numbers for each set.
-                let set = unsafe { rods.add(3 * i) };
+        let mut block = Block::new();
+        for start in (0..count).step_by(BLOCK) {
+            let sets = BLOCK.min(count - start);
+            // SAFETY: the sets are below `count`, and the caller promises 3 numbers for each.
+            let rods = unsafe { std::slice::from_raw_parts(rods.add(3 * start).cast(), sets) };
+            block.compute(solver, rods, joints)?;
+            for (i, set) in rods.iter().enumerate() {
+                let mut code = JP_OK;
+                if !block.is_solved(i) {
+                    let failure = failure(solver, set);
+                    code = failure.code;
+                    first.get_or_insert((start + i, failure));
+                }
+                // SAFETY: the set is below `count`, and the caller promises room for each.
+                unsafe { write(poses.add(ENTRIES * (start + i)), &block.transform(i)) };
                 // SAFETY: as above.
-                let found = unsafe { numbers::<3>(set, "rods") };
-                let found = found.and_then(|rods| Ok(robot.gpr.forward(rods, chosen, &robot.options)?));
-                let (pose, joints, code) = match found {
-                    Ok(found) => {
-                        let joints = robot.gpr.virtual_displacements(&found, chosen);
-                        (entries(&found.base_from_platform), padded(&joints), crate::JP_OK)
-                    }
-                    Err(failure) => {
-                        let code = failure.code;
-                        first.get_or_insert((i, failure));
-                        ([f64::NAN; ENTRIES], [f64::NAN; JP_MAX_VIRTUAL_JOINTS], code)
-                    }
-                };
-                // SAFETY: `i` is below `count`, and the caller promises room for each set.
-                unsafe { write(poses.add(ENTRIES * i), &pose) };
-                // SAFETY: as above.
-                unsafe { write(codes.add(i), &[code]) };
+                unsafe { write(codes.add(start + i), &[code]) };
                 if !virtual_joints.is_null() {
+                    let to = virtual_joints.wrapping_add(JP_MAX_VIRTUAL_JOINTS * (start + i));
                     // SAFETY: as above.
-                    unsafe { write(virtual_joints.add(JP_MAX_VIRTUAL_JOINTS * i), &joints) };
+                    unsafe { write(to, &block.virtual_joints(i)) };
                 }
             }
-            Ok(())
-        })?;
+        }
         match first {
             None => Ok(()),
             Some((i, failure)) => Err(failure.of(&format!("set {i}"))),
@@ -260,10 +290,9 @@ pub unsafe extern "C" fn jp_robot_jacobian(
         writable(jacobian, "jacobian")?;
         // SAFETY: the caller promises 3 numbers.
         let rods = unsafe { numbers::<3>(rods, "rods") }?;
-        let found = with_virtualization!(virtualization, chosen => {
-            let pose = robot.gpr.forward(rods, chosen, &robot.options)?;
-            Ok(robot.gpr.platform_jacobian(&pose, chosen)?)
-        })?;
+        let (chosen, solver) = robot.solver(virtualization)?;
+        let pose = solver.forward(rods)?;
+        let found = robot.gpr.platform_jacobian(&pose, chosen.model())?;
         let mut rows = [0.0; 18];
         let mut velocities = [0.0; 3 * JP_MAX_VIRTUAL_JOINTS];
         for k in 0..3 {

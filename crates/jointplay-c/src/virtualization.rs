@@ -1,6 +1,6 @@
 //! Virtualizations of the three-rod robot by their codes.
 
-use jointplay::virtualization::{Virtualization, built_in};
+use jointplay::virtualization::{BuiltIn, Virtualization, built_in};
 
 use crate::catch::Failure;
 
@@ -15,34 +15,19 @@ pub const JP_PLANAR: i32 = 3;
 /// Largest number of virtual joints of a virtualization.
 pub const JP_MAX_VIRTUAL_JOINTS: usize = 6;
 
-/// Evaluates an expression with the chosen virtualization as its type, so that loops are compiled for each.
-macro_rules! with_virtualization {
-    ($chosen:expr, $name:ident => $body:expr) => {
-        match $chosen {
-            $crate::virtualization::JP_RADIAL => {
-                let $name = &jointplay::virtualization::Radial;
-                $body
-            }
-            $crate::virtualization::JP_POLAR => {
-                let $name = &jointplay::virtualization::Polar;
-                $body
-            }
-            $crate::virtualization::JP_OFFSET => {
-                let $name = &jointplay::virtualization::Offset;
-                $body
-            }
-            $crate::virtualization::JP_PLANAR => {
-                let $name = &jointplay::virtualization::Planar;
-                $body
-            }
-            other => Err($crate::virtualization::unknown(other)),
-        }
-    };
+/// The virtualizations, each at the index that is its code.
+pub(crate) const KNOWN: [BuiltIn; 4] =
+    [BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Offset, BuiltIn::Planar];
+
+/// A virtualization by its code, with the index that it has.
+#[inline]
+pub(crate) fn known(code: i32) -> Result<(usize, BuiltIn), Failure> {
+    let index = usize::try_from(code).unwrap_or(usize::MAX);
+    KNOWN.get(index).map(|found| (index, *found)).ok_or_else(|| unknown(code))
 }
-pub(crate) use with_virtualization;
 
 #[cold]
-pub(crate) fn unknown(virtualization: i32) -> Failure {
+fn unknown(virtualization: i32) -> Failure {
     Failure::input(format!(
         "virtualization {virtualization} is not known; known: {JP_RADIAL} radial, {JP_POLAR} polar, {JP_OFFSET} offset, {JP_PLANAR} planar"
     ))
@@ -61,7 +46,25 @@ pub(crate) fn named(name: Option<&str>) -> Result<&'static dyn Virtualization, F
 /// Number of virtual joints of a virtualization; 0 for an unknown one.
 #[unsafe(no_mangle)]
 pub extern "C" fn jp_virtual_joint_count(virtualization: i32) -> usize {
-    let count: Result<usize, Failure> =
-        with_virtualization!(virtualization, chosen => Ok(chosen.joints().len()));
-    count.unwrap_or(0)
+    known(virtualization).map_or(0, |(_, found)| found.model().joints().len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_name_the_virtualizations() {
+        for (code, name) in [
+            (JP_RADIAL, "radial"),
+            (JP_POLAR, "polar"),
+            (JP_OFFSET, "offset"),
+            (JP_PLANAR, "planar"),
+        ] {
+            assert_eq!(known(code).ok().map(|(_, found)| found.model().name()), Some(name));
+        }
+        for code in [-1, 4, i32::MIN, i32::MAX] {
+            assert!(known(code).is_err() && jp_virtual_joint_count(code) == 0);
+        }
+    }
 }

@@ -35,6 +35,15 @@ fn last_error() -> String {
     unsafe { CStr::from_ptr(text.as_ptr()) }.to_str().unwrap().to_owned()
 }
 
+/// Entries of poses and displacements agree to 10⁻¹² of the size of the platform.
+#[track_caller]
+fn assert_close(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    for (k, (a, b)) in found.iter().zip(expected).enumerate() {
+        assert!((a - b).abs() < 1e-12 || a.is_nan() && b.is_nan(), "{k}: {a:e}, {b:e}");
+    }
+}
+
 #[test]
 fn poses_of_the_robot_are_those_of_the_library() {
     let (gpr, robot, options) = (Gpr::paper(), paper(), SolveOptions::default());
@@ -54,7 +63,7 @@ fn poses_of_the_robot_are_those_of_the_library() {
         }
         .unwrap();
         let expected = found.base_from_platform.to_homogeneous().transpose();
-        assert_eq!(pose.as_slice(), expected.as_slice());
+        assert_close(&pose, expected.as_slice());
         let Tilt { azimuth, angle } = found.tilt();
         assert_eq!(tilt, [azimuth, angle, found.axis_height().0]);
         let count = jp_virtual_joint_count(virtualization);
@@ -68,6 +77,60 @@ fn poses_of_the_robot_are_those_of_the_library() {
     };
     assert_eq!(forward(joints.as_mut_ptr()), JP_OK);
     assert!(joints[0].abs() > 1e-6);
+    // SAFETY: not used after this.
+    unsafe { jp_robot_free(robot) };
+}
+
+/// Whole and begun blocks of sets, with sets without a pose at their ends and among others.
+#[test]
+fn many_poses_are_those_of_as_many_calls() {
+    let robot = paper();
+    for virtualization in [JP_RADIAL, JP_POLAR, JP_OFFSET, JP_PLANAR] {
+        for count in [0, 1, 7, 239, 240, 241, 1000] {
+            let fraction = |k: usize, step: f64| (k as f64 * step).fract();
+            let mut sets: Vec<[f64; 3]> = (0..count)
+                .map(|k| [0.618_034, 0.414_214, 0.732_051].map(|s| 0.497 + 0.006 * fraction(k, s)))
+                .collect();
+            for (k, wrong) in [(3, f64::NAN), (239, 0.9), (240, f64::INFINITY), (777, 0.2)] {
+                if let Some(set) = sets.get_mut(k) {
+                    set[k % 3] = wrong;
+                }
+            }
+            let (mut poses, mut joints) = (vec![7.0; 16 * count], vec![7.0; 6 * count]);
+            let mut codes = vec![9; count];
+            let rods = sets.as_flattened().as_ptr();
+            // SAFETY: room for all.
+            let code = unsafe {
+                let (poses, codes) = (poses.as_mut_ptr(), codes.as_mut_ptr());
+                let joints = joints.as_mut_ptr();
+                jp_robot_forward_many(robot, virtualization, count, rods, poses, joints, codes)
+            };
+            let (text, mut first) = (last_error(), JP_OK);
+            for (k, set) in sets.iter().enumerate() {
+                let (mut pose, mut displaced) = ([f64::NAN; 16], [f64::NAN; 6]);
+                // SAFETY: room for all.
+                let code = unsafe {
+                    let (pose, displaced) = (pose.as_mut_ptr(), displaced.as_mut_ptr());
+                    jp_robot_forward(
+                        robot,
+                        virtualization,
+                        set.as_ptr(),
+                        pose,
+                        displaced,
+                        null_mut(),
+                    )
+                };
+                assert_eq!(codes[k], code, "set {k} of {count}");
+                assert_close(&poses[16 * k..][..16], &pose);
+                assert_close(&joints[6 * k..][..6], &displaced);
+                first = if first == JP_OK { code } else { first };
+            }
+            assert_eq!(code, first, "{count} sets");
+            if count > 3 {
+                assert!(text.starts_with("set 3: rods[0] is NaN"), "{text}");
+            }
+        }
+    }
     // SAFETY: not used after this.
     unsafe { jp_robot_free(robot) };
 }
@@ -95,7 +158,7 @@ fn inverse_kinematics_and_many_poses() {
         jp_robot_forward(robot, JP_PLANAR, rods.as_ptr(), one, null_mut(), tilt)
     };
     assert_eq!(code, JP_OK);
-    assert_eq!(one, poses[..16]);
+    assert_close(&one, &poses[..16]);
     for (found, expected) in tilt.into_iter().zip([0.3, 0.02, 0.5]) {
         assert!((found - expected).abs() < 1e-12);
     }
