@@ -11,12 +11,12 @@ FAMILIES = {
 }
 WHAT = {
     "closed": [
-        "Three equations for the sides, F(X) = 0, in six unknowns; each program solves them by the paper's iteration X ← X + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (L² − L(X)²) with the exact Jacobian, until each side is within 10⁻⁹ mm.",
+        "Three equations for the sides, F(X) = 0, in six unknowns; each program finds the solution of the paper's iteration X ← X + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (L² − L(X)²) from nominal, each side within 10⁻⁹ mm: by this iteration with the exact Jacobian, and jointplay, one by one, by polynomials that interpolate its solutions.",
         "*With pose*: the pose of the platform is included.",
     ],
     "least": [
         "The same equations, solved for the X of least displacement from nominal in the metric, which optimisers find.",
-        "jointplay, C, Numba, JAX, NumPy and the generated C use Gauss–Newton, X ← X₀ + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (J (X − X₀) + L² − L(X)²); the others are general optimisers with exact derivatives.",
+        "C, Numba, JAX, NumPy and the generated C use Gauss–Newton, X ← X₀ + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (J (X − X₀) + L² − L(X)²); jointplay uses polynomials that interpolate its solutions; the others are general optimisers with exact derivatives.",
     ],
     "general": [
         "Programs that receive links and joints, not these equations; the entry of jointplay is its general `PositionSolver`, which iterates to round-off.",
