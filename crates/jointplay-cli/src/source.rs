@@ -180,7 +180,7 @@ pub(crate) fn read_bytes(path: &Path, allowed: u64) -> Result<Vec<u8>, Failure> 
     let failed = |source| Failure::Read { path: path.to_owned(), source };
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path).map_err(failed)?;
-    file.take(allowed + 1).read_to_end(&mut bytes).map_err(failed)?;
+    file.take(allowed.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > allowed {
         return Err(Failure::TooLarge { path: path.to_owned(), allowed });
     }

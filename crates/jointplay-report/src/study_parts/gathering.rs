@@ -5,6 +5,7 @@ use jointplay_study::plan::Totals;
 use super::error::PartsError;
 use super::manifest::Manifest;
 use super::names::PartNames;
+use super::part::Record;
 use super::totals_of_parts::TotalsOfParts;
 use crate::sha256::sha256;
 use crate::study_table::{Index, Table, TableKind};
@@ -42,6 +43,17 @@ impl Gathering {
     #[must_use]
     pub fn next(&self) -> PartNames {
         PartNames::of(self.totals.next(), self.kind)
+    }
+
+    /// Length that the table of the part that follows has by its record (bytes).
+    ///
+    /// # Arguments
+    /// * `record` – contents of the record
+    ///
+    /// # Errors
+    /// [`PartsError::Malformed`].
+    pub fn table_length(&self, record: &str) -> Result<u64, PartsError> {
+        Record::parse(&self.next().record, record).map(|record| record.bytes)
     }
 
     /// Adds the part that follows; its bytes in the table.
