@@ -163,8 +163,11 @@ pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
         let error = import::ArchiveError::NoArchive;
         return Err(Failure::Usage(format!("{}: {error}", named.display())));
     }
-    text.map_err(|_| {
-        let message = "stream did not contain valid UTF-8";
+    text.map_err(|error| {
+        let message = match error.as_bytes() {
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "the text is in UTF-16; save it in UTF-8",
+            _ => "the file is not text in UTF-8",
+        };
         failed(std::io::Error::new(std::io::ErrorKind::InvalidData, message))
     })
 }
