@@ -160,6 +160,8 @@ fn a_parquet_table_reads_back_exactly() {
 
 #[cfg(feature = "parquet")]
 mod footers {
+    #![expect(clippy::unwrap_used, reason = "a test may fail at this place")]
+
     use jointplay_report::study_table::{Index, Table};
 
     use super::*;
