@@ -35,9 +35,10 @@ fuzz_target!(|bytes: &[u8]| {
         };
         let answer = answer.expect("templates of these languages have values");
         assert!(!answer.is_empty() && answer.ends_with('\n'), "{answer:?}");
-        let state = session.snapshot().state_at(now);
-        let are_numbers = state.positions.iter().all(|position| position.is_finite());
-        assert!(are_numbers && state.wafers.len() == CELL.occupied.len(), "{state:?}");
-        assert!(session.snapshot().events().len() <= 20);
     }
+    let snapshot = session.snapshot();
+    let state = snapshot.state_at(now);
+    let are_numbers = state.positions.iter().all(|position| position.is_finite());
+    assert!(are_numbers && state.wafers.len() == CELL.occupied.len(), "{state:?}");
+    assert!(snapshot.events().len() <= 20);
 });
