@@ -92,6 +92,24 @@ fn records_with_impossible_counts_are_refused() {
     }
 }
 
+/// Before, the message was that of an interrupted run, without the name of the file.
+#[test]
+fn a_table_that_is_no_part_is_named() {
+    use jointplay_report::study_parts::{Gathering, Manifest, PartWriter};
+    use jointplay_study::plan::compute_chunk;
+
+    let study = study(STUDY);
+    let blocks = compute_chunk(&*study.plan, 0).unwrap();
+    let files = PartWriter::new(&study, TableKind::Csv).unwrap().files(0, &blocks).unwrap();
+    let table = [b"x", &files.table[1..]].concat();
+    let mut record: serde_json::Value = serde_json::from_str(&files.record).unwrap();
+    record["sha256"] = jointplay_report::sha256(&table).into();
+    let manifest = Manifest { study, kind: TableKind::Csv };
+    let error = Gathering::new(&manifest).unwrap().add(&record.to_string(), &table).unwrap_err();
+    let expected = "part-000000.csv was not written by jointplay: it is not a table of one chunk";
+    assert!(error.to_string().contains(expected), "{error}");
+}
+
 proptest::proptest! {
     #[test]
     fn malformed_markers_do_not_panic(noise in "\\PC{0,12}") {

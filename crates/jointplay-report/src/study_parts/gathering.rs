@@ -9,6 +9,7 @@ use super::part::Record;
 use super::totals_of_parts::TotalsOfParts;
 use crate::sha256::sha256;
 use crate::study_table::{Index, Table, TableKind};
+use crate::table_error::TableError;
 
 /// Puts parts together to the bytes of a run on one machine.
 pub struct Gathering {
@@ -77,7 +78,13 @@ impl Gathering {
                 sha256: record.sha256,
             });
         }
-        let chunk = self.table.chunk_of(table)?;
+        let chunk = self.table.chunk_of(table).map_err(|error| match error {
+            TableError::Footer => {
+                let why = "it is not a table of one chunk with the columns of the study";
+                PartsError::malformed(&names.table, why)
+            }
+            other => other.into(),
+        })?;
         self.table.note(&mut self.index, &chunk, self.at)?;
         let bytes = chunk.parts.concat();
         self.at += bytes.len() as u64;
