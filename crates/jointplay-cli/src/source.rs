@@ -163,8 +163,11 @@ pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
         let error = import::ArchiveError::NoArchive;
         return Err(Failure::Usage(format!("{}: {error}", named.display())));
     }
-    text.map_err(|_| {
-        let message = "stream did not contain valid UTF-8";
+    text.map_err(|error| {
+        let message = match error.as_bytes() {
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "the text is in UTF-16; save it in UTF-8",
+            _ => "the file is not text in UTF-8",
+        };
         failed(std::io::Error::new(std::io::ErrorKind::InvalidData, message))
     })
 }
@@ -180,7 +183,7 @@ pub(crate) fn read_bytes(path: &Path, allowed: u64) -> Result<Vec<u8>, Failure> 
     let failed = |source| Failure::Read { path: path.to_owned(), source };
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path).map_err(failed)?;
-    file.take(allowed + 1).read_to_end(&mut bytes).map_err(failed)?;
+    file.take(allowed.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > allowed {
         return Err(Failure::TooLarge { path: path.to_owned(), allowed });
     }

@@ -99,7 +99,7 @@ pub enum FileProblem {
         found: String,
     },
     /// Parameters that depend on each other.
-    #[error("parameters refer to each other in a circle: {}", names.join(" → "))]
+    #[error("parameters refer to each other in a circle: {}", circle(names))]
     Cycle {
         /// The circle; the first name is also the last.
         names: Vec<String>,
@@ -107,4 +107,37 @@ pub enum FileProblem {
     /// Number of further errors, which are not listed.
     #[error("{} from here on", counted(*.0, "more error"))]
     More(usize),
+}
+
+/// Most names of a circle that a message lists, the last not counted.
+const LONGEST_CIRCLE: usize = 20;
+
+/// A circle of names; of a long one, the first names and the last.
+fn circle(names: &[String]) -> String {
+    let left = names.len().saturating_sub(LONGEST_CIRCLE + 1);
+    match (names.last(), left) {
+        (Some(last), 1..) => {
+            let first = names[..LONGEST_CIRCLE].join(" → ");
+            format!("{first} → … ({left} more) → {last}")
+        }
+        _ => names.join(" → "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Before, the message of a circle of all parameters was half as long as the file.
+    #[test]
+    fn of_a_long_circle_the_first_names_and_the_last_are_listed() {
+        let message = |count: usize| {
+            let mut names: Vec<String> = (0..count).map(|k| format!("p{k}")).collect();
+            names.push("p0".to_owned());
+            FileProblem::Cycle { names }.to_string()
+        };
+        assert!(message(20).ends_with("p18 → p19 → p0"), "{}", message(20));
+        assert!(message(21).ends_with("p19 → … (1 more) → p0"), "{}", message(21));
+        assert!(message(50_000).len() < 300);
+    }
 }

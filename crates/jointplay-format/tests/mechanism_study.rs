@@ -384,3 +384,30 @@ fn every_column_has_a_name_of_its_own() {
         assert!(errors.contains(&format!("two columns {name:?}")), "{errors}");
     }
 }
+
+/// Before, each of the ranges took memory: gigabytes for a mechanism of hundreds of joints.
+#[test]
+fn ranges_beyond_all_samples_are_not_listed() {
+    use jointplay_format::study::Problem;
+    use jointplay_study::Error;
+
+    let joint = |k: usize| {
+        format!(
+            "[[joint]]\nname = \"j{k}\"\nkind = \"revolute\"\nlinks = [\"base\", \"l{k}\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\n"
+        )
+    };
+    let mechanism = format!(
+        "kind = \"mechanism\"\nname = \"fan\"\nunits = {{ length = \"mm\", angle = \"deg\" }}\nbase = \"base\"\n{}",
+        (0..60).map(joint).collect::<String>()
+    );
+    let drives: String = (0..60).map(|k| format!("j{k} = \"0:1:0.000002\"\n")).collect();
+    let text = format!(
+        "kind = \"study\"\nmechanism = \"fan.toml\"\nquantities = [\"rank\"]\n[drives]\n{drives}"
+    );
+    let errors = parse(&text, &mut |_| Ok(mechanism.clone().into_bytes())).err().unwrap();
+    let [error] = &errors[..] else { panic!("{}", errors.with_excerpt("s.toml")) };
+    let Problem::Plan(Error::TooManySamples { values, .. }) = &*error.problem else {
+        panic!("{error}")
+    };
+    assert_eq!(values[..], [500_001; 4]);
+}

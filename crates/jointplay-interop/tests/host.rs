@@ -276,6 +276,20 @@ fn lines_have_codes_identifiers_and_checksums() {
     }
 }
 
+/// Before, the controller filled both templates for each part of the line that can be the command: hours, and gigabytes.
+#[test]
+fn forms_of_lines_that_multiply_the_text_fit_no_line() {
+    let input = format!(
+        "\n[input]\ncovered = \"{}\"\nline = \"{}\"\n",
+        "{text}".repeat(7000),
+        "{covered}".repeat(4000)
+    );
+    let language = HostLanguage::parse(&(NEUTRAL.to_owned() + &input)).unwrap();
+    let mut host = Host::new(&language, 1.0);
+    let answer = host.send(&"STATUS ".repeat(100));
+    assert!(answer.starts_with("REFUSED 1 "), "{answer}");
+}
+
 #[test]
 fn names_of_a_cell_cannot_become_commands() {
     let text = cell::EXAMPLE.replace("\"LP1\"", "\"WITH\"");

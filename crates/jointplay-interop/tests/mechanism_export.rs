@@ -563,6 +563,39 @@ fn joints_of_ros_mimic_in_no_cycle_and_have_no_command_interface() {
     assert_eq!(found.couplings()[0].follower.joint, found.joint("A").unwrap());
 }
 
+/// Before, such joints and frames had the world as child in SDF, which Gazebo refuses.
+#[test]
+fn joints_that_end_at_the_world_and_frames_of_it_are_read_again() {
+    let chain = "kind = \"mechanism\"\nname = \"gate\"\nunits = { length = \"m\", angle = \"deg\" }\nbase = \"world\"\n\
+        [[frame]]\nname = \"post\"\nlink = \"world\"\npoint = [1, 2, 3]\n\
+        [[joint]]\nname = \"hinge\"\nkind = \"revolute\"\nlinks = [\"world\", \"crank\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\n\
+        [[joint]]\nname = \"pin\"\nkind = \"revolute\"\nlinks = [\"crank\", \"rod\"]\npoint = [1, 1, 0]\naxis = [0, 0, 1]\n";
+    for kind in
+        ["revolute", "prismatic", "universal", "spherical", "cylindrical", "planar", "fixed"]
+    {
+        let axes = match kind {
+            "spherical" => "",
+            "universal" => "axis = [0, 0, 1]\nsecond_axis = [1, 0, 0]\n",
+            "revolute" | "planar" => "axis = [0, 0, 1]\n",
+            _ => "axis = [1, 0, 0]\n",
+        };
+        let end = format!(
+            "[[joint]]\nname = \"end\"\nkind = \"{kind}\"\nlinks = [\"rod\", \"world\"]\npoint = [3, 0, 0]\n{axes}"
+        );
+        let file = mechanism::parse(&(chain.to_owned() + &end));
+        let mechanism =
+            file.unwrap_or_else(|error| panic!("{}", error.with_excerpt(kind))).mechanism;
+        let at = assemble(&mechanism, &guess(&mechanism), &[], 0).unwrap().coordinates;
+        for (format, write) in FORMATS {
+            let written = write(&mechanism, &at).unwrap();
+            check(format, &mechanism, &at, &written);
+            for refused in ["<child>world<", "relative_to=\"world\"", "attached_to=\"world\""] {
+                assert!(!written.text.contains(refused), "{kind}: {}", written.text);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_screw_is_kept_by_sdf_and_refused_by_others() {
     let screw = |pitch: f64| {

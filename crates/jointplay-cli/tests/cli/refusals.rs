@@ -140,10 +140,15 @@ fn robot_files_are_read_strictly() {
         run.stderr
     );
 
-    std::fs::write(sandbox.file("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
-    let run = sandbox.run("forward --robot binary.toml");
-    assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("cannot read binary.toml"), "{}", run.stderr);
+    for (bytes, message) in [
+        ([0xff, 0xfe, 0x00], "cannot read binary.toml: the text is in UTF-16; save it in UTF-8"),
+        ([0x41, 0xff, 0x00], "cannot read binary.toml: the file is not text in UTF-8"),
+    ] {
+        std::fs::write(sandbox.file("binary.toml"), bytes).unwrap();
+        let run = sandbox.run("forward --robot binary.toml");
+        assert_eq!(run.code, 2);
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    }
 
     sandbox.write("long.toml", &"#".repeat(2_000_000));
     let run = sandbox.run("forward --robot long.toml");

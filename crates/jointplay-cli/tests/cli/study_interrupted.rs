@@ -40,6 +40,13 @@ fn send(signal: &str, child: &Child) {
     assert!(status.success());
 }
 
+/// A marker with another number.
+fn with(marker: &str, key: &str, number: u64) -> String {
+    let start = marker.find(&format!("\"{key}\": ")).unwrap() + key.len() + 4;
+    let end = start + marker[start..].find(',').unwrap();
+    format!("{}{number}{}", &marker[..start], &marker[end..])
+}
+
 /// Number of chunks in the marker.
 fn marked(sandbox: &Sandbox, table: &str) -> u64 {
     let text =
@@ -227,6 +234,15 @@ fn a_table_of_another_study_is_not_gone_on_with() {
     refused(STUDY, "only the same version can continue it");
     sandbox.write("t.csv.part.json", &whole[..whole.len() / 2]);
     refused(STUDY, "no marker of an interrupted study");
+    // Totals of another study, which the summary would have to report, and lengths beyond any file.
+    let columns = whole.find("\"columns\": [").unwrap() + "\"columns\": [".len();
+    let after = columns + whole[columns..].find("\n    ]").unwrap();
+    sandbox.write("t.csv.part.json", &format!("{}{}", &whole[..columns], &whole[after..]));
+    refused(STUDY, "its totals are not those of its chunks");
+    sandbox.write("t.csv.part.json", &with(&whole, "chunks", u64::MAX));
+    refused(STUDY, "it counts more chunks than the study has");
+    sandbox.write("t.csv.part.json", &with(&whole, "bytes", u64::MAX));
+    refused(STUDY, "bytes were written");
     sandbox.write("t.csv.part.json", &whole);
     std::fs::File::options()
         .write(true)

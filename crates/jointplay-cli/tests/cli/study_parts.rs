@@ -205,6 +205,20 @@ fn parts_that_changed_are_refused_and_computed_again() {
     assert!(sandbox.read("t.csv") == sandbox.read("whole.csv"));
 }
 
+/// Before, the whole file was read into memory, whatever its length.
+#[cfg(unix)]
+#[test]
+fn a_part_that_never_ends_is_refused() {
+    let sandbox = Sandbox::new();
+    sandbox.write("s.toml", &STUDY.replace("131100", "9"));
+    sandbox.done("study s.toml --parts run --part-format csv --quiet");
+    std::fs::remove_file(sandbox.file("run/part-000000.csv")).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", sandbox.file("run/part-000000.csv")).unwrap();
+    let message = "part-000000.csv is too large: at most 67108864 bytes";
+    fails(&sandbox, "study --parts run --gather t.csv", 2, message);
+    assert!(!sandbox.file("t.csv").exists());
+}
+
 #[test]
 fn mechanisms_are_computed_on_one_kind_of_processor() {
     let sandbox = Sandbox::new();

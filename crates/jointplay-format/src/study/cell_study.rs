@@ -13,7 +13,7 @@ use super::file::StudyFile;
 use super::names::{Column, Source};
 use super::quantity::{Asked, Group, LENGTHS, NUMBERS, TIMES, Term, quantities};
 use super::sources::{Sources, text_of};
-use super::spread::{self, Allowed, in_order};
+use super::spread::{self, Allowed, GridSize, in_order};
 use super::tree::{Entry, Table, count, entries, report_twice};
 use crate::file_problem::FileProblem;
 use crate::place::nearest;
@@ -296,6 +296,7 @@ fn displacements(
     let known = || cell.stations.iter().map(|station| station.name.as_str());
     let mut all = Vec::new();
     let mut are_valid = true;
+    let mut size = GridSize::new();
     for (entry, span) in in_order(table) {
         let Some(station) = known().position(|name| name == entry.key) else {
             let problem = FileProblem::Unknown {
@@ -320,23 +321,38 @@ fn displacements(
                 are_valid = false;
                 continue;
             };
+            if !size.add(&values) {
+                // Reported with the number of samples, which these directions exceed already.
+                all.push(displacement(entry.key, station, (axis, letter), values));
+                return are_valid.then_some(all);
+            }
             if let Err(why) = try_displacement(subject, cell, station, axis) {
                 let station = entry.key.to_owned();
                 value.report(reader, Problem::Station { station, axis: letter, why });
                 are_valid = false;
                 continue;
             }
-            all.push(Varied {
-                input: SweptInput::Displacement { station, axis },
-                values: SweptValue { number: number_of(STATIONS, 3 * station + axis), values },
-                name: format!("{}_d{letter}", entry.key),
-                unit: Unit::Millimeter,
-                key: "stations",
-            });
+            all.push(displacement(entry.key, station, (axis, letter), values));
         }
         displaced.finish();
     }
     are_valid.then_some(all)
+}
+
+/// A displacement of a station along an axis with a letter.
+fn displacement(
+    name: &str,
+    station: usize,
+    (axis, letter): (usize, &str),
+    values: Variation,
+) -> Varied {
+    Varied {
+        input: SweptInput::Displacement { station, axis },
+        values: SweptValue { number: number_of(STATIONS, 3 * station + axis), values },
+        name: format!("{name}_d{letter}"),
+        unit: Unit::Millimeter,
+        key: "stations",
+    }
 }
 
 /// Tests that a changed position in the file displaces the station by as much: it does not where taught points determine the frame.

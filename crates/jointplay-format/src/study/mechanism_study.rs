@@ -15,7 +15,7 @@ use super::file::StudyFile;
 use super::names::{Column, Source};
 use super::quantity::{ANGLES, Asked, Group, LENGTHS, NUMBERS, Term, quantities};
 use super::sources::{Sources, text_of};
-use super::spread::{self, Allowed, in_order};
+use super::spread::{self, Allowed, GridSize, in_order};
 use super::tree::{Entry, Table, count, report_twice};
 use crate::coordinates::Coordinates;
 use crate::mechanism::{self, AngleUnit, LengthUnit, MechanismFile, Units};
@@ -134,6 +134,7 @@ fn drives_of(
     let reader = table.reader;
     let mut drives: Vec<VariedDrive> = Vec::new();
     let mut are_valid = true;
+    let mut size = GridSize::new();
     for (entry, span) in in_order(table) {
         let found = coordinates.find(mechanism, entry.key);
         let drive = found.map_err(|error| reader.report(span, Problem::Coordinate(error))).ok();
@@ -149,7 +150,11 @@ fn drives_of(
             Some(VariedDrive { coordinate, values })
         });
         are_valid &= drive.is_some();
+        let is_counted = drive.as_ref().is_none_or(|drive| size.add(&drive.values));
         drives.extend(drive);
+        if !is_counted {
+            break;
+        }
     }
     are_valid.then_some(drives)
 }

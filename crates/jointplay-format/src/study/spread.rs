@@ -22,6 +22,25 @@ pub(super) struct Allowed<'f> {
     pub(super) to_si: &'f dyn Fn(f64) -> f64,
 }
 
+/// Number of samples of a grid, as long as it can be counted.
+pub(super) struct GridSize(Option<u64>);
+
+impl GridSize {
+    /// Without directions, a grid has one sample.
+    pub(super) fn new() -> Self {
+        Self(Some(1))
+    }
+
+    /// Adds a direction; whether the samples are still counted.
+    ///
+    /// Where they are not, the study is refused, and further lists of values would only take memory.
+    pub(super) fn add(&mut self, values: &Variation) -> bool {
+        let size = self.0.and_then(|size| size.checked_mul(values.values()));
+        self.0 = size.filter(|&size| i64::try_from(size).is_ok());
+        self.0.is_some()
+    }
+}
+
 /// Names of distributions.
 const UNIFORM: &str = "uniform";
 const NORMAL: &str = "normal";
@@ -123,6 +142,7 @@ pub(super) fn parameters(table: &Table, known: &[&str]) -> Option<Vec<(usize, Va
     let allowed = Allowed { bounds, to_si: &|value| value };
     let mut found = Vec::new();
     let mut are_valid = true;
+    let mut size = GridSize::new();
     for (entry, span) in in_order(table) {
         let parameter = match known.iter().position(|name| *name == entry.key) {
             Some(index) => read(reader, &allowed, &entry).map(|values| (index, values)),
@@ -138,7 +158,11 @@ pub(super) fn parameters(table: &Table, known: &[&str]) -> Option<Vec<(usize, Va
             }
         };
         are_valid &= parameter.is_some();
+        let is_counted = parameter.as_ref().is_none_or(|(_, values)| size.add(values));
         found.extend(parameter);
+        if !is_counted {
+            break;
+        }
     }
     are_valid.then_some(found)
 }

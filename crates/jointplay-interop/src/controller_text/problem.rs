@@ -89,6 +89,14 @@ pub enum Problem {
         /// Values of its names.
         arguments: String,
     },
+    /// A filled template that is too long.
+    #[error(
+        "the text of this template is longer than {allowed} bytes with the values of its fields"
+    )]
+    TextTooLong {
+        /// Largest length (bytes).
+        allowed: usize,
+    },
     /// An opening brace without a closing one.
     #[error("a field that begins with {{ ends without }}; write {{{{ for the brace itself")]
     Open,

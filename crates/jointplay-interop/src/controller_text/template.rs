@@ -10,6 +10,9 @@ use jointplay_format::place::{Error, Place, nearest};
 use super::format_spec::{FormatSpec, Kind, Value};
 use super::problem::Problem;
 
+/// Longest text of a filled template (bytes): templates of lines contain filled ones, each of them any number of times.
+const MOST_TEXT: usize = 1 << 16;
+
 /// Names that a template may contain.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Names {
@@ -155,16 +158,18 @@ impl Template {
     /// The text with the values of its fields.
     ///
     /// # Errors
-    /// [`Problem::NoValue`] and [`Problem::NotWhole`] of an expression, with its place in the file.
+    /// [`Problem::NoValue`] and [`Problem::NotWhole`] of an expression, and [`Problem::TextTooLong`], with the place of the field in the file.
     pub(crate) fn fill(&self, value: impl Fn(&str) -> Value) -> Result<String, Error<Problem>> {
         let mut filled = String::new();
         for (text, field) in &self.parts {
             filled.push_str(text);
-            let value = field.value(&value).map_err(|problem| Error {
-                place: field.place.clone(),
-                problem: Box::new(problem),
-            })?;
+            let invalid =
+                |problem| Error { place: field.place.clone(), problem: Box::new(problem) };
+            let value = field.value(&value).map_err(invalid)?;
             filled.push_str(&field.spec.apply(&value));
+            if filled.len() > MOST_TEXT {
+                return Err(invalid(Problem::TextTooLong { allowed: MOST_TEXT }));
+            }
         }
         filled.push_str(&self.rest);
         Ok(filled)
@@ -342,6 +347,16 @@ mod tests {
         refuse("{}", "", "is not a name");
         refuse("a{slot", "{slot", "ends without");
         refuse("slot}", "}", "}}");
+    }
+
+    /// Before, a file of 80 kB made of each line of a host gigabytes of text.
+    #[test]
+    fn texts_of_thousands_of_fields_are_rejected_at_the_field_that_is_too_much() {
+        let lines = |count: usize| parse(&"{text}".repeat(count)).unwrap().fill(value);
+        assert_eq!(lines(MOST_TEXT / 3).unwrap().len(), MOST_TEXT / 3 * 3);
+        let error = lines(MOST_TEXT).unwrap_err();
+        assert!(error.to_string().contains("longer than 65536 bytes"), "{error}");
+        assert_eq!(error.place.column, MOST_TEXT / 3 * "{text}".len() + 2);
     }
 
     #[test]

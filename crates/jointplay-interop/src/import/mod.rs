@@ -34,6 +34,7 @@ mod starts;
 mod testing;
 mod urdf;
 mod xml;
+mod xml_limits;
 
 pub use drive_table::{
     DriveColumn, DriveTable, DriveTableError, MAX_COLUMNS, MAX_ROWS, MAX_TABLE_BYTES, drive_table,

@@ -43,6 +43,14 @@ pub enum Problem {
         /// Depth allowed.
         allowed: usize,
     },
+    /// More of something than is allowed.
+    #[error("at most {allowed} {what} are allowed; here are more")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// Number allowed.
+        allowed: usize,
+    },
     /// An unsupported part that would affect the mechanism.
     #[error("{what} cannot be imported: {advice}")]
     Unsupported {

@@ -2,20 +2,28 @@
 
 use std::ops::Range;
 
-use roxmltree::{Document, Error};
+use jointplay_format::mechanism::MAX_BYTES;
+use roxmltree::Error;
+
+use super::xml::tree;
 
 /// Most prefixes that a text may use without a declaration.
 const MOST_PREFIXES: usize = 32;
 
-/// A well-formed text for one that only deviates as simulators allow: hyphens in comments, a declaration that is not at the start, prefixes of elements of other tools without a declaration of their own.
+/// A well-formed text for one that only deviates as simulators allow: hyphens in comments, a declaration that is not at the start, prefixes of elements of other tools without a declaration of their own or with two colons.
 ///
+/// FreeCAD writes well-formed documents: longer texts than those of simulators are not repaired.
 /// Lines stay where they are, and what is on them except on the line of the root element.
 pub(super) fn repaired(text: &str) -> Option<String> {
+    if text.len() > MAX_BYTES {
+        return None;
+    }
     let mut repaired = text.to_owned();
+    single_colons(&mut repaired);
     blank_declaration(&mut repaired);
     blank_hyphens(&mut repaired);
     for _ in 0..MOST_PREFIXES {
-        let prefix = match Document::parse(&repaired) {
+        let prefix = match tree(&repaired) {
             Err(Error::UnknownNamespace(prefix, _)) => prefix,
             // Another error is reported at its place in the repaired text.
             _ => return (repaired != text).then_some(repaired),
@@ -57,6 +65,20 @@ fn blank_hyphens(text: &mut String) {
     }
 }
 
+/// Names of elements such as `gz::policy`, with an underscore in place of the second colon.
+fn single_colons(text: &mut String) {
+    let mut from = 0;
+    while let Some(start) = text[from..].find('<').map(|at| from + at + 1) {
+        let start = start + usize::from(text[start..].starts_with('/'));
+        let is_end = |c: char| c.is_whitespace() || matches!(c, '>' | '/' | '<');
+        let end = text[start..].find(is_end).map_or(text.len(), |length| start + length);
+        if let Some(colons) = text[start..end].find("::").filter(|&length| length > 0) {
+            text.replace_range(start + colons + 1..start + colons + 2, "_");
+        }
+        from = end;
+    }
+}
+
 /// Where the attributes of the root element begin.
 fn end_of_root_name(text: &str) -> Option<usize> {
     let mut at = 0;
@@ -79,6 +101,8 @@ fn end_of_root_name(text: &str) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
+    use roxmltree::Document;
+
     use super::*;
     use crate::import::{parse, testing};
 
@@ -93,6 +117,7 @@ mod tests {
             ("<?xml", "\n  <?xml", ""),
             ("<link name=\"a\"/>", "<link name=\"a\"/><drake:joint_order/>", "1 × joint_order"),
             ("<link name=\"a\"/>", "<link name=\"a\"><gz:mass/><other:mass/></link>", "2 × mass"),
+            ("<link name=\"a\"/>", "<link name=\"a\"/><plugin><gz::wait>1</gz::wait></plugin>", ""),
         ] {
             let text = world.replacen(from, to, 1);
             assert!(Document::parse(&text).is_err(), "{text}");

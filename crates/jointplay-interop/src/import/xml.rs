@@ -6,6 +6,7 @@ use nalgebra::{Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::problem::{Error, Problem};
+use super::xml_limits;
 use jointplay_format::place::nearest;
 
 /// Longest value that a message quotes, in characters.
@@ -17,16 +18,19 @@ pub(super) const LONGEST_NAME: usize = 1000;
 /// Limits of joints from here on mean no limit: mechanism files have none beyond (m, rad).
 pub(super) const ENDLESS: f64 = 1e6;
 
-/// Greatest depth of nested elements; a chain of that many links is no robot.
-const DEEPEST: usize = 1000;
-
 /// Most elements, texts and comments, about 250 MB of memory; a document of FreeCAD has 20 for each kilobyte.
 const MOST_NODES: u32 = 3_000_000;
 
-/// The element tree of a text.
-pub(super) fn document(text: &str) -> Result<Document<'_>, Error> {
+/// The element tree of a text, or the error of the parser.
+pub(super) fn tree(text: &str) -> Result<Document<'_>, roxmltree::Error> {
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(text, options).map_err(|error| {
+    Document::parse_with_options(text, options)
+}
+
+/// The element tree of a text within the limits.
+pub(super) fn document(text: &str) -> Result<Document<'_>, Error> {
+    xml_limits::check(text).map_err(|(span, problem)| Error::at(text, span, problem))?;
+    tree(text).map_err(|error| {
         let at = error.pos();
         let (row, column) = (at.row.max(1) as usize, at.col.max(1) as usize);
         let lines = text.split_inclusive('\n').take(row);
@@ -38,30 +42,7 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, Error> {
         let plain = message.rsplit_once(" at ").map_or(message.as_str(), |(plain, _)| plain);
         let place = before + within;
         Error::at(text, place..place, Problem::Xml(format!("not well-formed XML: {plain}")))
-    })?;
-    check_depth(text, document.root())?;
-    Ok(document)
-}
-
-fn check_depth(text: &str, root: Node) -> Result<(), Error> {
-    let (mut node, mut depth) = (root, 0);
-    loop {
-        if depth > DEEPEST {
-            let problem = Problem::TooDeep { allowed: DEEPEST };
-            return Err(Error::at(text, node.range(), problem));
-        }
-        if let Some(child) = node.first_child() {
-            (node, depth) = (child, depth + 1);
-            continue;
-        }
-        while node.next_sibling().is_none() {
-            match node.parent() {
-                Some(parent) => (node, depth) = (parent, depth - 1),
-                None => return Ok(()),
-            }
-        }
-        node = node.next_sibling().expect("just seen");
-    }
+    })
 }
 
 /// Whether an element belongs to another vocabulary than the model, by its namespace.

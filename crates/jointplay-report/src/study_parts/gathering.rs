@@ -5,9 +5,11 @@ use jointplay_study::plan::Totals;
 use super::error::PartsError;
 use super::manifest::Manifest;
 use super::names::PartNames;
+use super::part::Record;
 use super::totals_of_parts::TotalsOfParts;
 use crate::sha256::sha256;
 use crate::study_table::{Index, Table, TableKind};
+use crate::table_error::TableError;
 
 /// Puts parts together to the bytes of a run on one machine.
 pub struct Gathering {
@@ -44,6 +46,17 @@ impl Gathering {
         PartNames::of(self.totals.next(), self.kind)
     }
 
+    /// Length that the table of the part that follows has by its record (bytes).
+    ///
+    /// # Arguments
+    /// * `record` – contents of the record
+    ///
+    /// # Errors
+    /// [`PartsError::Malformed`].
+    pub fn table_length(&self, record: &str) -> Result<u64, PartsError> {
+        Record::parse(&self.next().record, record).map(|record| record.bytes)
+    }
+
     /// Adds the part that follows; its bytes in the table.
     ///
     /// # Arguments
@@ -65,7 +78,13 @@ impl Gathering {
                 sha256: record.sha256,
             });
         }
-        let chunk = self.table.chunk_of(table)?;
+        let chunk = self.table.chunk_of(table).map_err(|error| match error {
+            TableError::Footer => {
+                let why = "it is not a table of one chunk with the columns of the study";
+                PartsError::malformed(&names.table, why)
+            }
+            other => other.into(),
+        })?;
         self.table.note(&mut self.index, &chunk, self.at)?;
         let bytes = chunk.parts.concat();
         self.at += bytes.len() as u64;

@@ -7,7 +7,7 @@ use super::digest::digest;
 use super::error::PartsError;
 use super::names::PartNames;
 use super::part::Record;
-use crate::study_table::TableKind;
+use crate::study_table::{TableKind, are_totals_of};
 
 /// Adds the totals of parts in the order of their numbers, so that the sum has the bits of one machine.
 pub struct TotalsOfParts {
@@ -59,11 +59,7 @@ impl TotalsOfParts {
         let malformed = |why: &str| PartsError::malformed(&file, why);
         let totals = record.totals.read().map_err(malformed)?;
         let rows = self.samples.saturating_sub(part.saturating_mul(self.rows)).min(self.rows);
-        let all = &self.totals;
-        if totals.samples != rows
-            || totals.columns.len() != all.columns.len()
-            || totals.outcomes.len() != all.outcomes.len()
-        {
+        if !are_totals_of(&totals, &self.totals, rows) {
             return Err(malformed("its totals are not those of this part"));
         }
         self.totals.add(&totals);

@@ -6,10 +6,10 @@ use jointplay_core::bulk::instruction_set;
 use jointplay_study::plan::Totals;
 use serde::{Deserialize, Serialize};
 
-use jointplay_format::study::StudyFile;
+use jointplay_format::study::{StudyFile, from_files, parse};
 
 use super::kind::TableKind;
-use super::totals_document::TotalsDocument;
+use super::totals_document::{TotalsDocument, are_totals_of};
 use crate::instructions::instructions;
 use crate::study_files::{StudyFiles, from_hexadecimal, to_hexadecimal};
 
@@ -150,5 +150,27 @@ impl Marker {
         let Document { study, files, chunks, bytes, .. } = document;
         let files = files.read().map_err(malformed)?;
         Ok(Self { study, files, kind, chunks, bytes, totals, foot, instructions })
+    }
+
+    /// The study that was begun, of which the marker has a possible progress.
+    ///
+    /// # Errors
+    /// [`MarkerError::Malformed`] for an invalid study, more chunks than it has, and totals that are not those of its chunks.
+    pub fn study_file(&self) -> Result<StudyFile, MarkerError> {
+        let malformed = |why: &str| MarkerError::Malformed(why.to_owned());
+        let study = parse(&self.study, &mut from_files(&self.files))
+            .map_err(|error| malformed(&format!("the study in it is invalid: {error}")))?;
+        let plan = &study.plan;
+        let invalid = |error| malformed(&format!("the study in it is invalid: {error}"));
+        let (samples, chunks) = (plan.samples().map_err(invalid)?, plan.chunks().map_err(invalid)?);
+        if self.chunks > chunks {
+            return Err(malformed("it counts more chunks than the study has"));
+        }
+        // At most the samples: a last chunk may be shorter.
+        let done = self.chunks.saturating_mul(plan.portions().chunk).min(samples);
+        if !are_totals_of(&self.totals, &Totals::for_study(&**plan), done) {
+            return Err(malformed("its totals are not those of its chunks"));
+        }
+        Ok(study)
     }
 }

@@ -8,6 +8,8 @@
 
 #[cfg(feature = "parquet")]
 mod arrow;
+#[cfg(feature = "parquet")]
+mod compact_struct;
 mod kind;
 mod marker;
 #[cfg(feature = "parquet")]
@@ -21,4 +23,4 @@ pub use arrow::{arrow_schema, record_batch};
 pub use kind::TableKind;
 pub use marker::{Marker, MarkerError};
 pub use table::{Encoded, Index, Table};
-pub(crate) use totals_document::TotalsDocument;
+pub(crate) use totals_document::{TotalsDocument, are_totals_of};

@@ -6,15 +6,16 @@ use jointplay_study::plan::Block;
 use parquet::arrow::add_encoded_arrow_schema_to_metadata;
 use parquet::basic::{Compression, ConvertedType, Encoding, Repetition, Type};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
-use parquet::errors::ParquetError;
 use parquet::file::metadata::{
-    KeyValue, ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter, RowGroupMetaData,
+    ColumnChunkMetaData, KeyValue, ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader,
+    ParquetMetaDataWriter, RowGroupMetaData,
 };
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{ColumnPath, Type as Schematic, TypePtr};
 
 use super::arrow::arrow_schema;
+use super::compact_struct::is_compact_struct;
 use super::value::{Values, values};
 use crate::table_error::TableError;
 use jointplay_format::study::{Column, Source};
@@ -93,7 +94,7 @@ impl Schema {
         group.close()?;
         writer.close()?;
         // Read back from the written bytes: a resumed study has only these.
-        let (chunk, group) = chunk_of(&bytes)?;
+        let (chunk, group) = self.chunk_of(&bytes)?;
         let end = MAGIC.len() + chunk.len();
         bytes.truncate(end);
         bytes.drain(..MAGIC.len());
@@ -103,7 +104,8 @@ impl Schema {
     /// The end of a file with these chunks.
     pub(super) fn foot(&self, groups: &[Group]) -> Result<Vec<u8>, TableError> {
         let metadata = self.empty.file_metadata();
-        let rows = groups.iter().map(Group::num_rows).sum();
+        let rows = groups.iter().try_fold(0_i64, |sum, group| sum.checked_add(group.num_rows()));
+        let rows = rows.ok_or(TableError::Footer)?;
         let file = parquet::file::metadata::FileMetaData::new(
             metadata.version(),
             rows,
@@ -117,6 +119,47 @@ impl Schema {
         ParquetMetaDataWriter::new(&mut bytes, &metadata).finish()?;
         Ok(bytes)
     }
+
+    /// The bytes and the metadata of the chunk of a file with one.
+    pub(super) fn chunk_of<'f>(&self, file: &'f [u8]) -> Result<(&'f [u8], Group), TableError> {
+        let mut groups = self.groups(file)?;
+        let group = groups.pop().filter(|_| groups.is_empty()).ok_or(TableError::Footer)?;
+        let ends = group.columns().iter().map(end_of).collect::<Result<Vec<_>, _>>()?;
+        let end = ends.into_iter().max().unwrap_or_default();
+        let chunk = file.get(MAGIC.len()..end).ok_or(TableError::Footer)?;
+        Ok((chunk, group))
+    }
+
+    /// Metadata of the chunks from the end of a file with these columns.
+    pub(super) fn groups(&self, foot: &[u8]) -> Result<Vec<Group>, TableError> {
+        let broken = || TableError::Footer;
+        let (metadata, tail) = foot.split_last_chunk::<TAIL>().ok_or_else(broken)?;
+        let (length, magic) = tail.split_at(4);
+        let length = u32::from_le_bytes(length.try_into().map_err(|_| broken())?);
+        let length = usize::try_from(length).map_err(|_| broken())?;
+        let start =
+            metadata.len().checked_sub(length).filter(|_| magic == MAGIC).ok_or_else(broken)?;
+        let metadata = &metadata[start..];
+        // The library reserves memory for, and spends time on, as many elements as a list states.
+        if !is_compact_struct(metadata) {
+            return Err(broken());
+        }
+        // With its own schema: that of the file may be nested as deeply as it is long.
+        let schema = self.empty.file_metadata().schema_descr_ptr();
+        let options = ParquetMetaDataOptions::new().with_schema(schema);
+        let file = ParquetMetaDataReader::decode_metadata_with_options(metadata, Some(&options))
+            .map_err(|_| broken())?;
+        // Positions remain; only the ordinals that reading adds are removed.
+        file.row_groups().iter().map(|group| placed(group, MAGIC.len() as u64)).collect()
+    }
+}
+
+/// Where the bytes of a column end in the file.
+fn end_of(column: &ColumnChunkMetaData) -> Result<usize, TableError> {
+    let start = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
+    let end = start.checked_add(column.compressed_size());
+    let end = end.filter(|_| start >= 0 && column.compressed_size() >= 0);
+    end.and_then(|end| usize::try_from(end).ok()).ok_or(TableError::Footer)
 }
 
 /// Units of the columns as metadata of the file: a JSON object.
@@ -153,52 +196,30 @@ fn write(
     Ok(target.close()?)
 }
 
-/// The bytes and the metadata of the chunk of a file with one.
-pub(super) fn chunk_of(file: &[u8]) -> Result<(&[u8], Group), TableError> {
-    let mut groups = groups(file)?;
-    let group = groups.pop().filter(|_| groups.is_empty()).ok_or(TableError::Footer)?;
-    let ends = group.columns().iter().map(|column| column.byte_range()).map(|(at, len)| at + len);
-    let end = usize::try_from(ends.max().unwrap_or_default()).map_err(|_| TableError::Footer)?;
-    let chunk = file.get(MAGIC.len()..end).ok_or(TableError::Footer)?;
-    Ok((chunk, group))
-}
-
-/// Metadata of the chunks from the end of a file.
-pub(super) fn groups(foot: &[u8]) -> Result<Vec<Group>, TableError> {
-    let broken = || TableError::Footer;
-    let (metadata, tail) = foot.split_last_chunk::<TAIL>().ok_or_else(broken)?;
-    let (length, magic) = tail.split_at(4);
-    let length = u32::from_le_bytes(length.try_into().map_err(|_| broken())?);
-    let length = usize::try_from(length).map_err(|_| broken())?;
-    let start = metadata.len().checked_sub(length).filter(|_| magic == MAGIC).ok_or_else(broken)?;
-    let file = ParquetMetaDataReader::decode_metadata(&metadata[start..]).map_err(|_| broken())?;
-    // Positions remain; only the ordinals that reading adds are removed.
-    file.row_groups().iter().map(|group| placed(group, MAGIC.len() as u64)).collect()
-}
-
 /// A chunk's metadata with the chunk at byte `at` of the file.
 pub(super) fn placed(group: &Group, at: u64) -> Result<Group, TableError> {
     let by = i64::try_from(at).map_err(|_| TableError::Encoding)? - MAGIC.len() as i64;
+    let moved = |offset: i64| offset.checked_add(by).ok_or(TableError::Footer);
     let columns = group
         .columns()
         .iter()
         .map(|column| {
-            let (data, dictionary) = (column.data_page_offset(), column.dictionary_page_offset());
-            column
+            let dictionary = column.dictionary_page_offset().map(moved).transpose()?;
+            let column = column
                 .clone()
                 .into_builder()
-                .set_data_page_offset(data + by)
-                .set_dictionary_page_offset(dictionary.map(|offset| offset + by))
-                .build()
+                .set_data_page_offset(moved(column.data_page_offset())?)
+                .set_dictionary_page_offset(dictionary);
+            Ok(column.build()?)
         })
-        .collect::<Result<Vec<_>, ParquetError>>()?;
+        .collect::<Result<Vec<_>, TableError>>()?;
     // Without an ordinal, which counts to 32767 only.
     let mut placed = Group::builder(group.schema_descr_ptr())
         .set_num_rows(group.num_rows())
         .set_total_byte_size(group.total_byte_size())
         .set_column_metadata(columns);
     if let Some(offset) = group.file_offset() {
-        placed = placed.set_file_offset(offset + by);
+        placed = placed.set_file_offset(moved(offset)?);
     }
     Ok(placed.build()?)
 }

@@ -118,8 +118,8 @@ impl Table {
                 Ok(encoded)
             }
             #[cfg(feature = "parquet")]
-            Kind::Parquet(_) => {
-                let (bytes, group) = super::parquet::chunk_of(file)?;
+            Kind::Parquet(schema) => {
+                let (bytes, group) = schema.chunk_of(file)?;
                 Ok(Encoded { parts: vec![bytes.to_vec()], group: Some(group) })
             }
         }
@@ -169,7 +169,7 @@ impl Table {
         match &self.kind {
             Kind::Csv => Ok(Index::default()),
             #[cfg(feature = "parquet")]
-            Kind::Parquet(_) => Ok(Index { groups: super::parquet::groups(foot)? }),
+            Kind::Parquet(schema) => Ok(Index { groups: schema.groups(foot)? }),
         }
     }
 }

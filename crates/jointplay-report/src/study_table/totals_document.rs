@@ -63,3 +63,21 @@ impl TotalsDocument {
         })
     }
 }
+
+/// Whether totals can be those of so many samples: no count exceeds the samples, and the outcomes under each model are as many.
+///
+/// # Arguments
+/// * `of_study` – any totals of the study
+pub(crate) fn are_totals_of(totals: &Totals, of_study: &Totals, samples: u64) -> bool {
+    let Totals { beyond_rods, beyond_tilt, beyond_joints, .. } = *totals;
+    let counts = totals.columns.iter().map(|column| column.count);
+    let mut counts = counts.chain([beyond_rods, beyond_tilt, beyond_joints]);
+    let sum = |tally: &Outcomes| {
+        tally.counts.iter().try_fold(0_u64, |sum, &count| sum.checked_add(count))
+    };
+    totals.samples == samples
+        && totals.columns.len() == of_study.columns.len()
+        && totals.outcomes.len() == of_study.outcomes.len()
+        && counts.all(|count| count <= samples)
+        && totals.outcomes.iter().all(|tally| sum(tally) == Some(samples))
+}

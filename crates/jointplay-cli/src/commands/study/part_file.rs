@@ -11,7 +11,7 @@ use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jointplay::format::study::{StudyFile, from_files, parse};
+use jointplay::format::study::StudyFile;
 use jointplay::report::study_table::{Encoded, Index, Marker, Table, TableKind};
 use jointplay::study::plan::{Block, Totals};
 
@@ -130,8 +130,7 @@ impl PartFile {
         let invalid = |why: String| Failure::Marker { path: marker_path.clone(), why };
         let text = read_text(&marker_path, LARGEST_MARKER)?;
         let marker = Marker::parse(&text).map_err(|error| invalid(error.to_string()))?;
-        let begun = parse(&marker.study, &mut from_files(&marker.files))
-            .map_err(|error| invalid(format!("the study in it is invalid: {error}")))?;
+        let begun = marker.study_file().map_err(|error| invalid(error.to_string()))?;
         let differences = begun.differences(study);
         if !differences.is_empty() {
             return Err(invalid(format!(
@@ -144,7 +143,7 @@ impl PartFile {
             return Err(invalid(format!("it belongs to a {found} table, not to a {here} table")));
         }
         // Killed after the table was renamed: the table is complete, and only the marker is left.
-        let whole = marker.bytes + marker.foot.len() as u64;
+        let whole = marker.bytes.saturating_add(marker.foot.len() as u64);
         let named = !path.exists() && out.metadata().is_ok_and(|found| found.len() == whole);
         let path = if named { out.to_owned() } else { path };
         let file = OpenOptions::new().read(true).write(true).open(&path).map_err(failed(&path))?;

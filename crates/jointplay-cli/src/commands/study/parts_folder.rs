@@ -4,8 +4,7 @@
 //! Therefore its table is written and synced first; each file is written under another name and renamed.
 
 use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::{ErrorKind, Read as _};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use jointplay::format::study::StudyFile;
@@ -17,7 +16,7 @@ use jointplay::study::plan::Totals;
 
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs, Staged};
-use crate::source::read_text;
+use crate::source::{read_bytes, read_text};
 use crate::space;
 
 use super::text;
@@ -130,7 +129,9 @@ impl PartsFolder {
             for part in 0..parts {
                 let names = gathering.next();
                 let record = read_text(&self.path.join(names.record), LARGEST_TEXT)?;
-                let table = self.read(&names.table)?;
+                // A longer one is no table of this part.
+                let length = gathering.table_length(&record).map_err(&inside)?;
+                let table = read_bytes(&self.path.join(names.table), length.max(LARGEST_TEXT))?;
                 writer.write_all(&gathering.add(&record, &table).map_err(&inside)?)?;
                 progress(part + 1);
             }
@@ -141,14 +142,6 @@ impl PartsFolder {
         })?;
         staged.publish()?;
         Ok(totals.expect("the contents were written"))
-    }
-
-    fn read(&self, name: &str) -> Result<Vec<u8>, Failure> {
-        let path = self.path.join(name);
-        let mut bytes = Vec::new();
-        let read = File::open(&path).and_then(|mut file| file.read_to_end(&mut bytes));
-        read.map_err(|source| Failure::Read { path, source })?;
-        Ok(bytes)
     }
 
     /// Refuses a table that does not fit on its disk.

@@ -43,6 +43,7 @@ pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written,
         poses: poses.clone(),
         driven: Vec::new(),
         renamed: Vec::new(),
+        fixed_to_world: None,
         lost: skeleton.lost.iter().chain(&mimics.lost).cloned().collect(),
         mimics,
     };
@@ -56,17 +57,24 @@ pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written,
         }
     }
     if base != WORLD {
-        let name = skeleton.fresh(format!("{base} fixed to the world"));
-        writer.xml.open("joint", &[("name", name), ("type", "fixed".into())]);
-        writer.xml.with_text("parent", &[], WORLD);
-        writer.xml.with_text("child", &[], base);
-        writer.xml.close();
+        writer.fix_to_world(base);
+    } else if mechanism.joints().iter().any(|joint| joint.links[1] == 0)
+        || mechanism.frames().iter().any(|frame| frame.link == 0)
+    {
+        let name = skeleton.fresh(format!("{WORLD}, part 1"));
+        writer.link(&name, &poses[0]);
+        writer.fix_to_world(&name);
+        let added = format!(
+            "link {name:?} is added: in SDF, the world is no child of a joint and has no frames"
+        );
+        writer.lost.push(added);
+        writer.fixed_to_world = Some(name);
     }
     for joint in 0..mechanism.joints().len() {
         writer.joint(joint, &kinematics);
     }
     for (k, frame) in mechanism.frames().iter().enumerate() {
-        let link = mechanism.links()[frame.link].clone();
+        let link = writer.child_name(frame.link);
         writer.xml.open("frame", &[("name", frame.name.clone()), ("attached_to", link)]);
         writer.pose(&mechanism.link_from_frame(FrameId::Attached(k)), None);
         writer.xml.close();
@@ -91,6 +99,8 @@ struct Writer<'s, 'a> {
     driven: Vec<String>,
     /// Joints that got another name, because a link or frame has theirs.
     renamed: Vec<(String, String)>,
+    /// A link in place of the world where that is the child of joints, or has frames.
+    fixed_to_world: Option<String>,
     mimics: Mimics,
     lost: Vec<String>,
 }
@@ -125,6 +135,21 @@ impl Writer<'_, '_> {
         self.xml.with_text("pose", &attributes, &text);
     }
 
+    /// Name of a link as the child of a joint, or as that of a frame.
+    fn child_name(&self, link: usize) -> String {
+        let in_place = self.fixed_to_world.as_ref().filter(|_| link == 0);
+        in_place.unwrap_or(&self.skeleton.mechanism.links()[link]).clone()
+    }
+
+    /// A fixed joint between the world and a link.
+    fn fix_to_world(&mut self, link: &str) {
+        let name = self.skeleton.fresh(format!("{link} fixed to the world"));
+        self.xml.open("joint", &[("name", name), ("type", "fixed".into())]);
+        self.xml.with_text("parent", &[], WORLD);
+        self.xml.with_text("child", &[], link);
+        self.xml.close();
+    }
+
     fn link(&mut self, name: &str, pose: &Pose) {
         self.xml.open("link", &[("name", name.into())]);
         self.pose(pose, None);
@@ -147,7 +172,8 @@ impl Writer<'_, '_> {
     fn joint(&mut self, j: usize, kinematics: &Kinematics<'_>) {
         let mechanism = self.skeleton.mechanism;
         let joint = &mechanism.joints()[j];
-        let [first, second] = joint.links.map(|link| mechanism.links()[link].clone());
+        let first = mechanism.links()[joint.links[0]].clone();
+        let second = self.child_name(joint.links[1]);
         let chain = kinematics.elementary_chain(j);
         for motion in &chain.motions {
             let follows = self.mimics.of(motion.coordinate).is_some();
