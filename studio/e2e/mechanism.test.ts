@@ -56,7 +56,7 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
   await at(['four-bar'], async (page, _, heard) => {
     await shows(page, 'mechanism-name', 'Four-bar linkage');
     await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
-    expect([await text(page, 'm-kutzbach'), await text(page, 'm-instantaneous'), await text(page, 'm-finite'), await text(page, 'm-redundant')]).toEqual(['-2', '1', '1', '3']);
+    expect([await text(page, 'm-kutzbach'), await text(page, 'm-instantaneous'), await text(page, 'm-finite'), await text(page, 'm-redundant')]).toEqual(['−2', '1', '1', '3']);
     // The exported motion has the bytes of the command.
     const out = join(folder, 'motion');
     execFileSync(COMMAND, ['move', 'four-bar', '--drive', 'A=-5:20', '--steps', '4', '--to', 'csv,gltf', '--out', out]);
