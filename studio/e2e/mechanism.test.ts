@@ -278,6 +278,37 @@ test('after a failed reload, a file that changed on disk is still not overwritte
   });
 });
 
+test('a text is not saved into the file of another server', async () => {
+  const [mine, theirs] = ['mine.toml', 'theirs.toml'].map((name) => join(folder, name)) as [string, string];
+  const other = FOUR_BAR.replace('Planar four-bar linkage', 'Linkage of another server');
+  writeFileSync(mine, FOUR_BAR);
+  writeFileSync(theirs, other);
+  await at([mine], async (page, server) => {
+    await shows(page, 'mechanism-name', 'four-bar linkage');
+    await type(page, () => `${FOUR_BAR}# a change\n`);
+    await server.stop();
+    const second = await serve(server.port, [theirs]);
+    try {
+      await until('it is connected again', async () => !(await page.locator('header').innerText()).includes('Disconnected'));
+      await page.getByTestId('mechanism-save').click();
+      await shows(page, 'mechanism-notice', 'Not saved: the server has the file theirs.toml now, and not mine.toml.');
+      expect(await page.getByTestId('mechanism-conflict').count()).toBe(0);
+      expect([readFileSync(mine, 'utf8'), readFileSync(theirs, 'utf8')]).toEqual([FOUR_BAR, other]);
+    } finally {
+      await second.stop();
+    }
+  });
+});
+
+test('a file that is not a text is refused, and the mechanism stays', async () => {
+  await at(['four-bar'], async (page) => {
+    await shows(page, 'mechanism-name', 'four-bar linkage');
+    await page.getByTestId('mechanism-file').setInputFiles({ name: 'picture.toml', mimeType: 'image/png', buffer: Buffer.from([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, 0, 0, 0, 13]) });
+    await shows(page, 'mechanism-notice', 'picture.toml is not a text file.');
+    await shows(page, 'mechanism-name', 'four-bar linkage');
+  });
+});
+
 test('parameters and assembly modes change the configuration', async () => {
   await at(['four-bar'], async (page) => {
     await shows(page, 'mechanism-name', 'Four-bar linkage');
