@@ -188,7 +188,7 @@ test('an arm without bodies is listed as not checked for collisions', async () =
   try {
     await load(page, bare.server.address);
     await waitForCheck(page, 'passed');
-    expect([await unchecked(), await result()]).toEqual([['Not checked for collisions: the arm arm. The cell file has no bodies for it.'], 'No violations of reach, limits, slip or collision.']);
+    expect([await unchecked(), await result()]).toEqual([['Not checked for collisions: arm “arm”. The cell file has no bodies for it.'], 'No violations of reach, limits, slip or collision.']);
     await page.getByTitle('Length unit').selectOption('inch');
     await until('distances are in inches', async () => /^0\.\d+ in$/.test((await page.getByTestId('check-result').locator('xpath=..').locator('td.number').first().textContent()) ?? ''));
   } finally {

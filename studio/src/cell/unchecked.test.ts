@@ -5,10 +5,10 @@ const robot = { name: 'two arms', axes: [], arms: [{ name: 'upper', links: ['upp
 const body = (attached_to: string, station: string | null = null) => ({ name: `on ${attached_to}`, attached_to, station });
 
 for (const [bodies, missing] of [
-  [[], ['the arm upper', 'the arm lower', 'the surroundings of the robot']],
-  [[body('base')], ['the arm upper', 'the arm lower']],
-  [[body('base', 'LP1'), body('platform')], ['the arm upper', 'the arm lower']],
-  [[body('base'), body('upper link 2')], ['the arm lower']],
+  [[], ['arm “upper”', 'arm “lower”', 'the surroundings of the robot']],
+  [[body('base')], ['arm “upper”', 'arm “lower”']],
+  [[body('base', 'LP1'), body('platform')], ['arm “upper”', 'arm “lower”']],
+  [[body('base'), body('upper link 2')], ['arm “lower”']],
   [[body('upper link 1'), body('lower link 1'), body('platform')], ['the surroundings of the robot']],
   [[body('base'), body('upper link 1'), body('lower link 1')], []],
 ] as const)

@@ -41,7 +41,7 @@ const DESCRIPTIONS = {
   alone: '3D view of the mechanism; its links, joints and values are in the panels',
   separate: '3D views of the reference and of the shown mechanism, side by side; their values are in the panel Comparison',
 } as const;
-/** Length of a joint and its surroundings [sizes]: joints have no labels in views from far away. */
+/** Length of a joint and its surroundings among many joints [sizes]: joints have no labels in views from far away. */
 const LABELLED = 0.18;
 /** The view is larger than the mechanism by this factor, for labels and buttons. */
 const MARGIN = 1.22;
@@ -452,7 +452,8 @@ export class MechanismRenderer extends SceneRenderer {
     const shown = joints.filter(({ name, actuated }) => all || actuated || isSelected(name));
     // Labels that are painted first have the best places.
     const rank = ({ name, actuated }: (typeof joints)[number]) => (isSelected(name) ? 0 : actuated ? 1 : 2);
-    const extent = (LABELLED * size_m) / this.#unit_m;
+    // The fewer labels, the more space each of them has.
+    const extent = (LABELLED * Math.sqrt(MANY / Math.max(shown.length, 1)) * size_m) / this.#unit_m;
     return shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }) => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : extent }));
   }
 

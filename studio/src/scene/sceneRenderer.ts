@@ -241,7 +241,8 @@ export abstract class SceneRenderer {
     const reach = box.getSize(new Vector3()).length() / 2;
     const aspect = Math.min(camera.aspect, 1);
     const { top, bottom } = this.#coveredRows;
-    const free = 1 - top - bottom;
+    // From the home direction, a box fills about two thirds of its sphere.
+    const free = Math.sqrt(1 - top - bottom);
     const distance = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect / free;
     // The box is in the middle of the rows that are free.
     const up = camera.up.clone().addScaledVector(direction, -camera.up.dot(direction) / direction.lengthSq());
