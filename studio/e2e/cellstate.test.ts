@@ -166,3 +166,33 @@ test('the chart of the axes shows which part of the motion is not loaded', async
   await until('the chart is complete', async () => (await loading()) === 'false');
   await page.unroute('**/api/v1/cell/windows/*');
 });
+
+/** A cell of parts whose arm has no bodies. */
+const BARE = `kind = "cell"
+name = "Bare arm"
+robot = "scara-4r"
+assumed = ["places: drawn, not measured"]
+wafer = { diameter_mm = 300.0, thickness_mm = 0.775, material = "silicon" }
+budgets = { virtual_joint_norm_um = 60.0, plane_urad = 200.0, min_distance_mm = 1.0, slot_min_distance_mm = 1.0 }
+part = [
+  { part = "load-port", name = "LP", position_mm = [-520, 0, 500], heading_deg = 90, approach = "line", retract_mm = 200.0, wafers = "all" },
+  { part = "wafer-rest", name = "REST", position_mm = [0, 520, 560], heading_deg = 0, approach = "line", retract_mm = 200.0 },
+]
+`;
+
+test('an arm without bodies is listed as not checked for collisions', async () => {
+  const unchecked = () => page.getByTestId('unchecked').allTextContents();
+  const result = () => page.getByTestId('check-result').locator('.good').textContent();
+  expect([await unchecked(), await result()]).toEqual([[], 'No violations of reach, limits, slip, collision or zones.']);
+  const bare = await cellFixture('HOME\nTRANSFER LP SLOT 1 TO REST\nHOME\n', BARE);
+  try {
+    await load(page, bare.server.address);
+    await waitForCheck(page, 'passed');
+    expect([await unchecked(), await result()]).toEqual([['Not checked for collisions: arm “arm”. The cell file has no bodies for it.'], 'No violations of reach, limits, slip or collision.']);
+    await page.getByTitle('Length unit').selectOption('inch');
+    await until('distances are in inches', async () => /^0\.\d+ in$/.test((await page.getByTestId('check-result').locator('xpath=..').locator('td.number').first().textContent()) ?? ''));
+  } finally {
+    await page.goto('about:blank');
+    await bare.close();
+  }
+});

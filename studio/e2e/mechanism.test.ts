@@ -56,7 +56,7 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
   await at(['four-bar'], async (page, _, heard) => {
     await shows(page, 'mechanism-name', 'Four-bar linkage');
     await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
-    expect([await text(page, 'm-kutzbach'), await text(page, 'm-instantaneous'), await text(page, 'm-finite'), await text(page, 'm-redundant')]).toEqual(['-2', '1', '1', '3']);
+    expect([await text(page, 'm-kutzbach'), await text(page, 'm-instantaneous'), await text(page, 'm-finite'), await text(page, 'm-redundant')]).toEqual(['−2', '1', '1', '3']);
     // The exported motion has the bytes of the command.
     const out = join(folder, 'motion');
     execFileSync(COMMAND, ['move', 'four-bar', '--drive', 'A=-5:20', '--steps', '4', '--to', 'csv,gltf', '--out', out]);
@@ -275,6 +275,37 @@ test('after a failed reload, a file that changed on disk is still not overwritte
     await type(page, () => `${theirs}# mine\n`);
     await page.keyboard.press('Control+s');
     await until('saved', async () => readFileSync(file, 'utf8') === `${theirs}# mine\n`);
+  });
+});
+
+test('a text is not saved into the file of another server', async () => {
+  const [mine, theirs] = ['mine.toml', 'theirs.toml'].map((name) => join(folder, name)) as [string, string];
+  const other = FOUR_BAR.replace('Planar four-bar linkage', 'Linkage of another server');
+  writeFileSync(mine, FOUR_BAR);
+  writeFileSync(theirs, other);
+  await at([mine], async (page, server) => {
+    await shows(page, 'mechanism-name', 'four-bar linkage');
+    await type(page, () => `${FOUR_BAR}# a change\n`);
+    await server.stop();
+    const second = await serve(server.port, [theirs]);
+    try {
+      await until('it is connected again', async () => !(await page.locator('header').innerText()).includes('Disconnected'));
+      await page.getByTestId('mechanism-save').click();
+      await shows(page, 'mechanism-notice', 'Not saved: the server has the file theirs.toml now, and not mine.toml.');
+      expect(await page.getByTestId('mechanism-conflict').count()).toBe(0);
+      expect([readFileSync(mine, 'utf8'), readFileSync(theirs, 'utf8')]).toEqual([FOUR_BAR, other]);
+    } finally {
+      await second.stop();
+    }
+  });
+});
+
+test('a file that is not a text is refused, and the mechanism stays', async () => {
+  await at(['four-bar'], async (page) => {
+    await shows(page, 'mechanism-name', 'four-bar linkage');
+    await page.getByTestId('mechanism-file').setInputFiles({ name: 'picture.toml', mimeType: 'image/png', buffer: Buffer.from([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, 0, 0, 0, 13]) });
+    await shows(page, 'mechanism-notice', 'picture.toml is not a text file.');
+    await shows(page, 'mechanism-name', 'four-bar linkage');
   });
 });
 

@@ -63,6 +63,20 @@ const unusable = (part = 'body') =>
     return found;
   }, part);
 
+/** Joints of the shown mechanism that are outside of the view, or under its legend, title or buttons. */
+const coveredJoints = () =>
+  page.evaluate(() => {
+    const { mechanism } = window.jointplay.probe;
+    const scene = document.querySelector('.scene')!.getBoundingClientRect();
+    const over = [...document.querySelectorAll('[aria-label=Legend], [data-testid=mechanism-name], [role=group][aria-label=Views] button')];
+    return Object.keys(mechanism!.joints()).flatMap((joint) => {
+      const { x, y } = mechanism!.onPage(joint)!;
+      const isOver = ({ left, right, top, bottom }: DOMRect) => x > left && x < right && y > top && y < bottom;
+      if (!isOver(scene)) return [`${joint} is outside of the view`];
+      return over.filter((one) => isOver(one.getBoundingClientRect())).map((one) => `${joint} is under ${one.textContent!.trim()}`);
+    });
+  });
+
 /** Checks the page: no rule of accessibility is violated, nothing scrolls sideways, and each control can be used. */
 async function good(name: string, part = 'body'): Promise<void> {
   await picture(name);
@@ -130,6 +144,23 @@ for (const [width, height] of [[720, 450], [512, 350]] as const) {
     });
     await good('mechanism');
     await drawer('right', 'mechanism-panels');
+  });
+
+  test(`nothing covers a joint of a mechanism ${size}`, async () => {
+    await at(width, height, 'mechanism');
+    const names = await page.locator('[data-testid^=entry-]').evaluateAll((entries) => entries.map((one) => (one as HTMLElement).dataset.testid!.slice('entry-'.length)));
+    expect(names.length).toBeGreaterThan(20);
+    const covered: string[] = [];
+    for (const name of names) {
+      // The drawer of the catalogue stays closed: it would cover the view.
+      await page.locator('#mechanism-tab-catalogue').evaluate((tab: HTMLElement) => tab.click());
+      await page.getByTestId(`entry-${name}`).waitFor({ state: 'attached' });
+      await page.getByTestId(`entry-${name}`).evaluate((entry: HTMLElement) => entry.click());
+      await until(`${name} is drawn`, () => page.evaluate((name) => document.querySelector('.files .file')?.textContent?.replace(/\.toml$/, '') === name && document.querySelector('[aria-label=Legend]') !== null, name));
+      await frames(page, 4);
+      covered.push(...(await coveredJoints()).map((joint) => `${name}: ${joint}`));
+    }
+    expect(covered).toEqual([]);
   });
 
   test(`the cell view, its texts and its panels ${size}`, async () => {

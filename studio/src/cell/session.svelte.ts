@@ -3,6 +3,7 @@
 import * as api from '../api/client';
 import { ConnectionError, ApiError, type PlanDocument, type StationDocument } from '../api/client';
 import { connection } from '../api/connection.svelte';
+import { otherFile } from '../api/otherFile';
 import { readDrafts, removeDraft, removeOlderDraft, storeDraft, type Draft } from '../lib/draft';
 import { toCellHash, type CellLink, type CellTab } from '../lib/cellLink';
 import { History } from '../lib/history';
@@ -544,6 +545,7 @@ export class WorkcellSession {
     if (!this.changed && !replace) return;
     const { texts } = this;
     try {
+      if (replace && (await this.#isOfOtherFile())) return;
       const { cell, program, version } = await api.saveCell(texts, replace ? null : this.#version);
       this.#version = version;
       this.#server = { ...this.#server, saved: { cell, program } };
@@ -552,10 +554,20 @@ export class WorkcellSession {
       this.diskConflict = false;
       this.#store();
     } catch (error) {
-      if (error instanceof ApiError && error.field === 'replaces') this.diskConflict = true;
+      if (error instanceof ApiError && error.field === 'replaces') this.diskConflict = !(await this.#isOfOtherFile());
       else if (error instanceof ConnectionError) this.notice = 'Not saved: the server does not respond. The changes are stored in this browser; save again after reconnection.';
       else this.notice = `Not saved: ${error instanceof Error ? error.message : String(error)}`;
     }
+  }
+
+  /** Whether the server has another cell than the shown one, which is then reported. */
+  async #isOfOtherFile(): Promise<boolean> {
+    const other = await otherFile(this.file ?? 'the example cell', async () => {
+      const { file, identity } = await api.cell();
+      return { name: file ?? 'of the example cell', isSame: identity === this.#identity };
+    });
+    if (other !== null) Object.assign(this, { diskConflict: false, notice: other });
+    return other !== null;
   }
 
   /** Shows the files of the server, loaded from disk again; undo returns to the previous texts. */

@@ -30,6 +30,48 @@ for (const size of [1, 7, 64, 1 << 20])
     expect(rows).toEqual(Array.from({ length: 10 }, (_, i) => i / 3));
   });
 
+/** The same bytes as a stream of bytes, as responses are. */
+const ofBytes = (bytes: Uint8Array, size: number) => {
+  let at = 0;
+  const source: UnderlyingByteSource = {
+    type: 'bytes',
+    pull(controller) {
+      if (at >= bytes.length) {
+        controller.close();
+        controller.byobRequest?.respond(0);
+      } else controller.enqueue(bytes.slice(at, (at += size)));
+    },
+  };
+  return new ReadableStream(source);
+};
+
+/** A stream of several batches with one schema: that of the first one. */
+function joined(tables: Uint8Array[]): Uint8Array {
+  const heads = tables.map((one) => 8 + new DataView(one.buffer, one.byteOffset).getUint32(4, true));
+  // The last eight bytes are the end of the stream.
+  return new Uint8Array([...tables[0]!.slice(0, heads[0]), ...tables.flatMap((one, i) => [...one.slice(heads[i], -8)]), ...tables[0]!.slice(-8)]);
+}
+
+for (const size of [7, 64, 1 << 21])
+  test(`batches of different lengths from pieces of ${size} bytes are read into the same memory`, async () => {
+    const lengths = [10, 4, 90_000, 3];
+    const value = (batch: number, i: number) => batch + i / 7;
+    const tables = lengths.map((length, batch) => tableToIPC(tableFromArrays({ q_1: Float64Array.from({ length }, (_, i) => value(batch, i)) }), { format: 'stream' }) as Uint8Array);
+    const { fields, batches } = await readArrow(ofBytes(joined(tables), size));
+    expect(fields).toEqual(['q_1']);
+    const found: number[][] = [];
+    for await (const batch of batches) found.push(Array.from(batch.getChild('q_1')!.toArray() as Float64Array));
+    expect(found).toEqual(lengths.map((length, batch) => Array.from({ length }, (_, i) => value(batch, i))));
+  });
+
+test('a stream of bytes that ends early is an error', async () => {
+  const broken = async () => {
+    const { batches } = await readArrow(ofBytes(bytes.slice(0, bytes.length - 40), 64));
+    for await (const batch of batches) expect(batch.numRows).toBe(10);
+  };
+  await expect(broken()).rejects.toThrow('ended early');
+});
+
 test('a truncated stream is an error', async () => {
   const broken = async () => {
     const { batches } = await readArrow(inPieces(bytes.slice(0, bytes.length - 40), 64));

@@ -13,11 +13,11 @@ export interface Batches {
   batches: AsyncGenerator<Table>;
 }
 
-/** Reads the schema of a stream, then its batches one by one. */
+/** Reads the schema of a stream, then its batches one by one; each is valid until the next one. */
 export async function readArrow(stream: ReadableStream<Uint8Array>): Promise<Batches> {
   const messages = splitMessages(stream);
   const first = await messages.next();
-  const schemaMessage = first.value as Uint8Array;
+  const schemaMessage = (first.value as Uint8Array).slice();
   const { schema } = tableFromIPC([schemaMessage]);
   async function* batches() {
     for await (const message of messages) {
@@ -32,17 +32,47 @@ export async function readArrow(stream: ReadableStream<Uint8Array>): Promise<Bat
   };
 }
 
-/** Splits a stream into messages, each with its header. */
+/** Bytes that are read from a stream at once. */
+const PIECE = 1 << 20;
+
+/** The pieces of a stream one by one; each is valid until the next one is read. */
+interface Pieces {
+  next(): Promise<Uint8Array | undefined>;
+  cancel(): Promise<void>;
+}
+
+/** Reads a stream; one of bytes, such as a response, into the same memory again and again. */
+function pieces(stream: ReadableStream<Uint8Array>): Pieces {
+  let memory = new ArrayBuffer(PIECE);
+  try {
+    const reader = stream.getReader({ mode: 'byob' });
+    return {
+      async next() {
+        const { value } = await reader.read(new Uint8Array(memory));
+        if (!value?.length) return undefined;
+        memory = value.buffer;
+        return value;
+      },
+      cancel: () => reader.cancel(),
+    };
+  } catch {
+    const reader = stream.getReader();
+    return { next: async () => (await reader.read()).value, cancel: () => reader.cancel() };
+  }
+}
+
+/** Splits a stream into messages, each with its header and valid until the next one. */
 async function* splitMessages(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Array> {
-  const reader = stream.getReader();
+  const source = pieces(stream);
   let piece: Uint8Array = new Uint8Array();
+  let memory = new Uint8Array();
   /** Fills an array from a position on; returns whether there was enough. Each byte is copied once. */
   async function fill(target: Uint8Array, from = 0): Promise<boolean> {
     for (let at = from; at < target.length; ) {
       if (piece.length === 0) {
-        const { value, done } = await reader.read();
-        if (done) return false;
-        piece = value;
+        const next = await source.next();
+        if (!next) return false;
+        piece = next;
       }
       const taken = piece.subarray(0, target.length - at);
       target.set(taken, at);
@@ -60,7 +90,9 @@ async function* splitMessages(stream: ReadableStream<Uint8Array>): AsyncGenerato
       const header = new Uint8Array(8 + head);
       header.set(prefix);
       if (!(await fill(header, 8))) break;
-      const message = new Uint8Array(header.length + bodyLength(header.subarray(8)));
+      const length = header.length + bodyLength(header.subarray(8));
+      if (memory.length < length) memory = new Uint8Array(length);
+      const message = memory.subarray(0, length);
       message.set(header);
       if (!(await fill(message, header.length))) break;
       yield message;
@@ -68,7 +100,7 @@ async function* splitMessages(stream: ReadableStream<Uint8Array>): AsyncGenerato
     throw new Error('the stream of samples ended early');
   } finally {
     // If reading ended early, this notifies the server, which stops the computation.
-    await reader.cancel().catch(() => undefined);
+    await source.cancel().catch(() => undefined);
   }
 }
 

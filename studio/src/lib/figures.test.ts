@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import { FACTORS, MIN_SPAN } from './channels';
-import { PLOTS, verticalRange } from './figures';
+import { PLOTS, decimalsOf, verticalRange } from './figures';
 
 test('values have a margin of eight hundredths above and below', () => {
   const [low, high] = verticalRange(0, 100, 1e-6);
@@ -24,4 +24,8 @@ test('rounding errors are a flat line, motion is not', () => {
 test('no values and one value have a range', () => {
   expect(verticalRange(null, null, 2)).toEqual([-1, 1]);
   expect(verticalRange(5, 5, 2)).toEqual([4, 6]);
+});
+
+test('the decimals of ticks write their distance in full', () => {
+  for (const [step, decimals] of [[0.025, 3], [0.25, 2], [2.5, 1], [0.1, 1], [0.05, 2], [1, 0], [25, 0], [0.001, 3], [1e-7, 7], [2.5e-7, 8]] as const) expect(decimalsOf(step), String(step)).toBe(decimals);
 });

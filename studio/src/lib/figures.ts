@@ -47,4 +47,11 @@ export function verticalRange(low: number | null, high: number | null, least: nu
   return [middle - half, middle + half];
 }
 
+/** Decimals that distinguish numbers at equal distances, and write a distance such as 0.025 in full. */
+export function decimalsOf(step: number): number {
+  const least = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  const scaled = step * 10 ** least;
+  return Math.abs(scaled - Math.round(scaled)) > 1e-6 * scaled ? least + 1 : least;
+}
+
 export { FACTORS, MIN_SPAN } from './channels';

@@ -41,10 +41,14 @@ const DESCRIPTIONS = {
   alone: '3D view of the mechanism; its links, joints and values are in the panels',
   separate: '3D views of the reference and of the shown mechanism, side by side; their values are in the panel Comparison',
 } as const;
-/** Length of a joint and its surroundings [sizes]: joints have no labels in views from far away. */
+/** Length of a joint and its surroundings among many joints [sizes]: joints have no labels in views from far away. */
 const LABELLED = 0.18;
 /** The view is larger than the mechanism by this factor, for labels and buttons. */
 const MARGIN = 1.22;
+/** Largest share of the height of a pane that buttons and legend keep free of the mechanism, at the top and at the bottom. */
+const MOST_COVERED = 0.27;
+/** Space between the mechanism and these, for the size of its joints [px]. */
+const ABOVE_LEGEND = 10;
 /** Period of an animated motion [ms]. */
 const PERIOD_MS = 2600;
 
@@ -61,6 +65,8 @@ export class MechanismRenderer extends SceneRenderer {
   /** Length of a unit of the scene [m]. */
   #unit_m = 1;
   readonly #handle = new PointHandle();
+  /** Whether the mechanism fills the view: then it does so in another size of the view. */
+  #isFitted = false;
   /** The point with a handle [m, in the frame of the link]. */
   #point: { link: string; point_m: readonly number[] } | null = null;
   #drag: PointDrag | null = null;
@@ -86,6 +92,7 @@ export class MechanismRenderer extends SceneRenderer {
     // For the capture phase: a drag of a point must not reach the camera controls.
     this.canvas.addEventListener('pointerdown', (event) => this.#take(event), { capture: true });
     this.canvas.addEventListener('pointermove', (event) => this.#follow(event));
+    this.controls.addEventListener('start', () => (this.#isFitted = false));
     redirectWheel(this.canvas, (event) => (this.#reference.separate ? this.paneBoxes[this.paneUnder(event)]! : null));
     // Two fingers zoom to the target where the centre between them is not that of the whole canvas.
     this.canvas.addEventListener('pointerdown', ({ pointerType }) => (this.controls.zoomToCursor = pointerType !== 'touch' || !this.#reference.separate), { capture: true });
@@ -198,14 +205,23 @@ export class MechanismRenderer extends SceneRenderer {
     const right = new Vector3().crossVectors(this.#eye.up, toward).normalize();
     const up = new Vector3().crossVectors(toward, right);
     const slope = Math.tan((this.#eye.fov * Math.PI) / 360);
+    const [across, upward] = [MARGIN / this.#eye.aspect, Math.max(MARGIN, 1 / (1 - 2 * this.#coveredShare))];
     const needed = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => {
       const corner = new Vector3(i & 1 ? box.min.x : box.max.x, i & 2 ? box.min.y : box.max.y, i & 4 ? box.min.z : box.max.z).sub(center);
-      return corner.dot(toward) + (MARGIN * Math.max(Math.abs(corner.dot(right)) / this.#eye.aspect, Math.abs(corner.dot(up)))) / slope;
+      return corner.dot(toward) + Math.max(across * Math.abs(corner.dot(right)), upward * Math.abs(corner.dot(up))) / slope;
     });
     this.controls.target.copy(center);
     this.#eye.position.copy(center).addScaledVector(toward, Math.max(...needed));
+    this.#isFitted = true;
     this.controls.update();
     this.invalidate();
+  }
+
+  /** Share of the height of a pane that buttons at its top or the legend at its bottom cover, the larger of both. */
+  get #coveredShare(): number {
+    const { height } = this.size;
+    const edges = this.coveredBoxes().map(({ top, bottom }) => Math.min(bottom, height - top) + ABOVE_LEGEND);
+    return Math.min(Math.max(0, ...edges) / this.paneSize.height, MOST_COVERED);
   }
 
   /** Position and target of the camera [sizes of the mechanism]. */
@@ -218,6 +234,7 @@ export class MechanismRenderer extends SceneRenderer {
     const scale = (this.#document?.size_m ?? this.#unit_m) / this.#unit_m;
     this.#eye.position.fromArray(eye).multiplyScalar(scale);
     this.controls.target.fromArray(target).multiplyScalar(scale);
+    this.#isFitted = false;
     this.controls.update();
     this.invalidate();
   }
@@ -261,11 +278,12 @@ export class MechanismRenderer extends SceneRenderer {
     if (separate && separate.document !== before?.document && !this.#isInView) this.#fitAgain();
   }
 
-  /** Keeps both mechanisms in their panes when these change their shape. */
+  /** Keeps a mechanism that fills the view, or two mechanisms in their panes, in view when it changes its shape. */
   protected override measure(): void {
+    const before = this.size;
     const keeps = this.#reference.separate !== null && this.#isInView;
     super.measure();
-    if (keeps && !this.#isInView) this.#fitAgain();
+    if (this.size !== before && (this.#isFitted || (keeps && !this.#isInView))) this.#fitAgain();
   }
 
   #fitAgain(): void {
@@ -434,7 +452,8 @@ export class MechanismRenderer extends SceneRenderer {
     const shown = joints.filter(({ name, actuated }) => all || actuated || isSelected(name));
     // Labels that are painted first have the best places.
     const rank = ({ name, actuated }: (typeof joints)[number]) => (isSelected(name) ? 0 : actuated ? 1 : 2);
-    const extent = (LABELLED * size_m) / this.#unit_m;
+    // The fewer labels, the more space each of them has.
+    const extent = (LABELLED * Math.sqrt(MANY / Math.max(shown.length, 1)) * size_m) / this.#unit_m;
     return shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }) => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : extent }));
   }
 

@@ -3,6 +3,7 @@
 import * as api from '../api/client';
 import { ConnectionError, type ConfigurationDocument, type MechanismDocument, type MechanismSource, type OpenedDocument } from '../api/client';
 import { connection } from '../api/connection.svelte';
+import { otherFile } from '../api/otherFile';
 import { History } from '../lib/history';
 import type { CameraPose } from '../lib/hashParts';
 import type { MechanismLink, MechanismTab } from '../lib/mechanismLink';
@@ -165,6 +166,11 @@ class MechanismSession {
     });
   }
 
+  /** Why there is no configuration. */
+  get withoutConfiguration(): string {
+    return this.document ? 'The loops are not closed.' : 'No mechanism is open.';
+  }
+
   /** The mechanism of requests. */
   get source(): MechanismSource {
     return { text: this.work.text, parameters: this.work.parameters };
@@ -269,6 +275,11 @@ class MechanismSession {
     }
     try {
       const texts = await Promise.all(files.map(async (file) => ({ name: file.name, text: await file.text() })));
+      const binary = texts.find(({ text }) => text.includes('\0'));
+      if (binary) {
+        this.notice = `${binary.name} is not a text file.`;
+        return;
+      }
       const isLoops = ({ name, text }: Model) => /\.ya?ml$/i.test(name) || /^\s*kind\s*=\s*["']loops["']/m.test(text);
       const loops = texts.find(isLoops);
       const other = texts.find((one) => one !== loops);
@@ -395,15 +406,23 @@ class MechanismSession {
     if (!this.work.ofServer) return this.download();
     const { text } = this.work;
     try {
+      if (overwrite && (await this.#isOfOtherFile())) return;
       const { version } = await api.saveMechanism(text, overwrite ? null : this.#version);
       this.#version = version;
       this.diskConflict = false;
       if (this.work.ofServer) this.work = { ...this.work, saved: text };
     } catch (error) {
-      if (error instanceof api.ApiError && error.field === 'replaces') this.diskConflict = true;
+      if (error instanceof api.ApiError && error.field === 'replaces') this.diskConflict = !(await this.#isOfOtherFile());
       else if (error instanceof ConnectionError) this.notice = 'The text was not saved: the server does not respond. Save again after reconnection.';
       else this.failed(error);
     }
+  }
+
+  /** Whether the server has another file than the shown one, which is then reported. */
+  async #isOfOtherFile(): Promise<boolean> {
+    const other = await otherFile(this.work.name, api.mechanismFile);
+    if (other !== null) Object.assign(this, { diskConflict: false, notice: other });
+    return other !== null;
   }
 
   /** Downloads the text as a file. */

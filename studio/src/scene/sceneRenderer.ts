@@ -71,6 +71,9 @@ export interface Picture {
   note: string;
 }
 
+/** In views of a smaller width, elements over the view take whole rows [px]; the largest share of the height that the picture leaves to them at an edge. */
+const NARROW_VIEW = 480;
+const MOST_COVERED = 0.27;
 /** Area of a drag handle that labels leave free [px]. */
 const GRIP = { width: 26, height: 64 } as const;
 /** Largest number of pixels of a still picture, which takes the processor about a second. */
@@ -237,7 +240,14 @@ export abstract class SceneRenderer {
     const center = box.getCenter(new Vector3());
     const reach = box.getSize(new Vector3()).length() / 2;
     const aspect = Math.min(camera.aspect, 1);
-    const distance = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect;
+    const { top, bottom } = this.#coveredRows;
+    // From the home direction, a box fills about two thirds of its sphere.
+    const free = Math.sqrt(1 - top - bottom);
+    const distance = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect / free;
+    // The box is in the middle of the rows that are free.
+    const up = camera.up.clone().addScaledVector(direction, -camera.up.dot(direction) / direction.lengthSq());
+    const height = 2 * distance * Math.tan((camera.fov * Math.PI) / 360);
+    if (up.lengthSq() > 1e-6) center.addScaledVector(up.normalize(), ((top - bottom) / 2) * height);
     this.controls.target.copy(center);
     camera.position.copy(center).addScaledVector(direction.clone().normalize(), distance);
     this.controls.update();
@@ -373,7 +383,7 @@ export abstract class SceneRenderer {
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, this.size.width, this.size.height);
       paintDivider(context, panes, ink);
-      const occupied = [...this.#gripBoxes(), ...this.#coveredBoxes()];
+      const occupied = [...this.#gripBoxes(), ...this.coveredBoxes()];
       for (const { overlay, box } of panes)
         paintLabels(context, overlay.labels, this.camera, box, overlay.covered, [...occupied, ...(overlay.occupied ?? [])], { text: ink, halo: background });
     }
@@ -386,13 +396,24 @@ export abstract class SceneRenderer {
   }
 
   /** Areas of the view under elements of the page that are marked by `data-covers` [px]; pictures for export have none. */
-  #coveredBoxes(): Box[] {
+  protected coveredBoxes(): Box[] {
     if (this.exporting) return [];
     const { left, top } = this.#host.getBoundingClientRect();
     return [...(this.#host.parentElement?.querySelectorAll('[data-covers]') ?? [])].map((element) => {
       const box = element.getBoundingClientRect();
       return { left: box.left - left, top: box.top - top, right: box.right - left, bottom: box.bottom - top };
     });
+  }
+
+  /** Shares of the height of a narrow view that elements of the page cover at its top and at its bottom; in wide views they are in corners. */
+  get #coveredRows(): { top: number; bottom: number } {
+    const { width, height } = this.size;
+    const rows = { top: 0, bottom: 0 };
+    if (width > NARROW_VIEW) return rows;
+    for (const { top, bottom } of this.coveredBoxes())
+      if (top < height - bottom) rows.top = Math.min(Math.max(rows.top, bottom / height), MOST_COVERED);
+      else rows.bottom = Math.min(Math.max(rows.bottom, (height - top) / height), MOST_COVERED);
+    return rows;
   }
 
   /** Areas of the view around the drag handles [px]. */

@@ -3,6 +3,7 @@
 import * as api from '../api/client';
 import { ApiError, ConnectionError, type DimensionChange, type OpenedRobotDocument, type RobotDocument, type RobotSource } from '../api/client';
 import { connection } from '../api/connection.svelte';
+import { otherFile } from '../api/otherFile';
 import type { RobotWork } from '../lib/document';
 
 /** Pause in typing after which a text is read [ms]. */
@@ -222,14 +223,22 @@ export class RobotFile {
     const { text } = this;
     if (text === null || this.openedText !== null) return;
     try {
+      if (overwrite && (await this.#isOfOtherFile())) return;
       const { version } = await api.saveRobot(text, overwrite ? null : this.#version);
       this.#version = version;
       this.#server = { ...this.#server, saved: text };
       Object.assign(this, { diskConflict: false, notice: null });
     } catch (error) {
-      if (error instanceof ApiError && error.field === 'replaces') this.diskConflict = true;
+      if (error instanceof ApiError && error.field === 'replaces') this.diskConflict = !(await this.#isOfOtherFile());
       else if (error instanceof ConnectionError) this.notice = 'The robot was not saved: the server does not respond. Save again after reconnection.';
       else this.#failed(error);
     }
+  }
+
+  /** Whether the server has another file than the shown one, which is then reported. */
+  async #isOfOtherFile(): Promise<boolean> {
+    const other = await otherFile(this.name, api.robotFile);
+    if (other !== null) Object.assign(this, { diskConflict: false, notice: other });
+    return other !== null;
   }
 }

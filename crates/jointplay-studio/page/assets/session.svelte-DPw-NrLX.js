@@ -1,0 +1,1 @@
+export{i as session}from"./session.svelte-B2uI1SwB.js";
