@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use jointplay_cell::check::{CheckResult, Report, Utilization, Violation};
+use jointplay_cell::check::{
+    CheckResult, Report, Unmodelled, Utilization, Violation, unmodelled,
+};
 use jointplay_cell::program::{HandoffDeflection, SourceLocation, handoff_deflections};
 use jointplay_cell::robot::AxisKind;
 use jointplay_cell::schedule::schedule;
@@ -71,6 +73,8 @@ pub struct CellReport {
     pub violation_groups: Vec<ViolationGroupReport>,
     /// Translations of fixed bodies and zones that remove violations, of the most severe ones; none where they were not computed.
     pub remedies: Option<Vec<RemedyReport>>,
+    /// Parts of the cell that have no bodies, and are not checked for collisions: arms, and the surroundings of the robot.
+    pub not_checked: Vec<String>,
     /// Fixed bodies in keep-out zones.
     pub bodies_in_zones: Vec<BodyInZoneReport>,
     /// Minimum distances of pairs, smallest first.
@@ -318,9 +322,18 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         violations: report.violations.iter().map(|one| violation(cell, one)).collect(),
         violation_groups: violation_groups(cell, &motion.steps, &report.violations),
         remedies: None,
+        not_checked: unmodelled(cell).into_iter().map(|part| unmodelled_name(cell, part)).collect(),
         bodies_in_zones: body_in_zone_reports(cell),
         nearest: nearest(cell, &report.distances),
         distances,
+    }
+}
+
+/// Name of a part of a cell without bodies, for people.
+fn unmodelled_name(cell: &Cell, part: Unmodelled) -> String {
+    match part {
+        Unmodelled::Arm(arm) => format!("arm “{}”", cell.robot.arms[arm].name),
+        Unmodelled::Surroundings => "surroundings of the robot".to_owned(),
     }
 }
 

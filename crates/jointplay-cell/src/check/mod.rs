@@ -27,6 +27,7 @@ mod safe_zones;
 mod slip;
 mod step_checks;
 mod step_findings;
+mod unmodelled;
 mod zone_bodies;
 
 pub(crate) use checker::CheckCache;
@@ -36,6 +37,7 @@ pub use options::CheckOptions;
 pub use pose::{ContactFreePath, PoseContext, advance_until_contact, check_pose, nearest_points};
 pub use remedy::{Remedy, remedies};
 pub use report::{CheckResult, InstructionResult, MinimumDistance, Report, Utilization};
+pub use unmodelled::{Unmodelled, unmodelled};
 pub use zone_bodies::{BodyInZone, bodies_in_zones};
 
 pub use crate::violation::{

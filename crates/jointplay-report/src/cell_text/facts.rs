@@ -41,12 +41,13 @@ pub fn cell_facts(report: &CellReport, program: &str) -> Vec<Fact> {
         counted(report.instructions.len(), "instruction"),
         counted(report.steps, "segment")
     );
-    let mut facts = vec![
-        fact("platform", platform),
-        fact("result", result),
-        fact("program", size),
-        fact("time", format!("{} s", fixed(report.duration_s, 3))),
-    ];
+    let mut facts = vec![fact("platform", platform), fact("result", result)];
+    if !report.not_checked.is_empty() {
+        let parts = report.not_checked.join(", ");
+        facts.push(fact("not checked", format!("collisions of {parts}: the cell has no bodies for them")));
+    }
+    facts.push(fact("program", size));
+    facts.push(fact("time", format!("{} s", fixed(report.duration_s, 3))));
     if let Some(rate) = report.wafers_per_hour {
         let wafers = counted(report.wafers, "wafer");
         let text = format!("{wafers}, {} wafers/h if repeated", fixed(rate, 1));

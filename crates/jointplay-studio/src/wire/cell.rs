@@ -268,6 +268,7 @@ pub(crate) fn truncated(report: &CellReport) -> CellReport {
         violations: first(violations, MAX_LISTED),
         violation_groups: first(violation_groups, MAX_LISTED),
         remedies: report.remedies.clone(),
+        not_checked: report.not_checked.clone(),
         bodies_in_zones: report.bodies_in_zones.clone(),
         distances: first(distances, MAX_LISTED),
         ..*report
