@@ -242,8 +242,8 @@ impl PyMechanism {
         let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         let found = py.detach(|| {
             let relief = this.relieved(&commands)?;
-            let system = MechanismSystem::new(&this.file.mechanism, relief.coordinates.clone())?;
-            let (at, length) = (system.at_home(), system.characteristic_length());
+            let system = relief.system(&this.file.mechanism)?;
+            let (at, length) = (system.at_home(), relief.characteristic_length);
             let sensitivity =
                 commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
             Ok((relief, sensitivity))
