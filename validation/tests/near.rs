@@ -93,7 +93,7 @@ fn check_untrue_mechanisms(seed: u8) {
         let freedoms: Vec<_> = mechanism.joints().iter().map(|one| one.kind.freedoms()).collect();
         let counted = kutzbach_mobility(mechanism.links().len(), &freedoms).max(0);
         let counted = usize::try_from(counted).unwrap();
-        // Of exact closures, and of near ones: a tilt can close the three-rod robot exactly, with displacements in proportion to the root of what is untrue.
+        // Of exact closures, and of near ones: a tilt can close the three-rod robot exactly, with displacements in proportion to the root of what is untrue; beyond the travel of its rods it is not searched for, and found at some scales only.
         let mut shares = [Vec::new(), Vec::new()];
         for by in [1e-4, 1e-5, 1e-6] {
             let untrue = perturbed(&mechanism, by, seed);
@@ -122,10 +122,6 @@ fn check_untrue_mechanisms(seed: u8) {
         let in_proportion = |shares: &[f64], factor: f64| {
             shares.iter().all(|&share| share < 20.0 && share > most(shares) / factor)
         };
-        // What closes at one scale closes at all; other mechanisms may do so far along a motion at some scale.
-        if name == "gpr-mechanism" && !exact.is_empty() && !missing.is_empty() {
-            failures.push(format!("{name}, seed {seed}: exact and near, {shares:?}"));
-        }
         // In proportion; near closures within what it matters that the nearest configuration moves about.
         if !in_proportion(exact, 1.5)
             || !in_proportion(missing, 10.0)

@@ -174,7 +174,7 @@ fn open_loops_are_reported() {
     assert!(matches!(system.mobility(RANK_THRESHOLD), Err(Error::NotClosed { .. })));
 }
 
-/// Rotation vectors of whole turns, where the vector of a ball alone does not tell its three motions apart: every motion is listed, and satisfies the dense constraints.
+/// Rotation vectors of whole turns, at which derivatives of a rotation by its vector vanish: every motion is listed, and satisfies the dense constraints.
 #[test]
 fn balls_after_whole_turns_keep_all_motions() {
     let mechanism = Gpr::paper().to_mechanism("turned");

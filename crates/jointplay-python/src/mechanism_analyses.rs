@@ -1,7 +1,6 @@
 //! Analyses of any mechanism.
 
 use jointplay::bulk::{Status, StatusCounts};
-use jointplay::constraint::System as _;
 use jointplay::mechanism::{
     Closure, CommandedPositions, MechanismSystem, ReliefSolver, branches, close_sparse,
     commanded_guess, mechanism_mobility,

@@ -59,7 +59,7 @@ const MAX_SOFT: usize = 48;
 /// # Numerics
 /// The sum of squares of the model is descended from both sides along each direction of negative curvature; each minimum is corrected by [`close`], and the one with the least mismatch is the next near miss.
 /// A descent may end at a near miss although a closed configuration exists.
-/// Second derivatives are those of the sine of an angular mismatch, which for small mismatches equal those of its rotation vector to first order in the mismatch.
+/// Second derivatives are those of the sine of an angular mismatch; those of its rotation vector differ by terms of the size of the squared mismatch.
 ///
 /// # Source
 /// Own derivation, `docs/explanation/mechanisms.md`; directions of negative curvature: \[NocedalWright\], chapter 3
