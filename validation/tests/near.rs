@@ -93,7 +93,7 @@ fn check_untrue_mechanisms(seed: u8) {
         let freedoms: Vec<_> = mechanism.joints().iter().map(|one| one.kind.freedoms()).collect();
         let counted = kutzbach_mobility(mechanism.links().len(), &freedoms).max(0);
         let counted = usize::try_from(counted).unwrap();
-        // Of exact closures, and of near ones: a tilt can close the three-rod robot exactly, with displacements in proportion to the root of what is untrue, and not be found at each scale.
+        // Of exact closures, and of near ones: a tilt can close the three-rod robot exactly, with displacements in proportion to the root of what is untrue; beyond the travel of its rods it is not searched for, and found at some scales only.
         let mut shares = [Vec::new(), Vec::new()];
         for by in [1e-4, 1e-5, 1e-6] {
             let untrue = perturbed(&mechanism, by, seed);

@@ -2,7 +2,6 @@
 
 use std::ffi::CString;
 
-use jointplay::constraint::System as _;
 use jointplay::format::coordinates::{self, Coordinates};
 use jointplay::format::mechanism::MechanismFile;
 use jointplay::gpr::{AxisHeight, Gpr};
@@ -193,8 +192,7 @@ pub(crate) fn of_mechanism(
                 let of = |&k: &usize| (k, posed.closed.coordinates[k]);
                 let values: Vec<(usize, f64)> = commanded.iter().map(of).collect();
                 let found = relieve_commanded(mechanism, &values, None)?;
-                system = MechanismSystem::new(mechanism, found.coordinates.clone())?
-                    .with_characteristic_length(found.characteristic_length)?;
+                system = found.system(mechanism)?;
                 relief = Some(found);
             }
             let relief = relief.as_ref();
@@ -214,11 +212,11 @@ pub(crate) fn of_mechanism(
             let commands = commands(&command)?;
             let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
             let relief = relieve_commanded(mechanism, &commands, None)?;
-            let system = MechanismSystem::new(mechanism, relief.coordinates.clone())?;
-            let (at, length) = (system.at_home(), system.characteristic_length());
+            let system = relief.system(mechanism)?;
+            let (at, length) = (system.at_home(), relief.characteristic_length);
             let found = commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
             let values = found.singular_values().as_slice();
-            document(&report::relief(file, &relief, &commanded, values, length))
+            document(&report::relief(file, &relief, &commanded, values))
         }
     }
 }

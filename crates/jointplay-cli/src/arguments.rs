@@ -177,7 +177,11 @@ impl LimitArgs {
         rods: &[f64; 3],
         tilt: Tilt,
     ) -> Result<Vec<BrokenLimit>, Failure> {
-        let broken: Vec<BrokenLimit> = gpr.limits().broken(rods, tilt).iter().collect();
+        self.accepted(gpr.limits().broken(rods, tilt).iter().collect())
+    }
+
+    /// Exceeded limits; an error if there are any, unless --ignore-limits is given.
+    pub(crate) fn accepted(&self, broken: Vec<BrokenLimit>) -> Result<Vec<BrokenLimit>, Failure> {
         if broken.is_empty() || self.ignore_limits {
             Ok(broken)
         } else {

@@ -14,6 +14,7 @@ mod mechanisms;
 mod mobility;
 mod mobility_of_mechanisms;
 mod mobility_of_small_systems;
+mod near_closures;
 mod nearest;
 mod planar;
 mod pose_solver;

@@ -5,12 +5,14 @@ use crate::robot;
 
 use families::{bennett_row, scissor_lift};
 use jointplay_core::Error;
+use jointplay_core::constraint::System as _;
+use jointplay_core::gpr::Gpr;
 use jointplay_core::mechanism::{
     Coupling, Drive, DrivePath, JointCoordinate, JointKind, Mechanism, MechanismError,
     MechanismSystem, SparseMobility, SparseSystem, assemble, guess,
 };
 use jointplay_core::mobility::{RANK_THRESHOLD, finite_mobility};
-use jointplay_core::nalgebra::Vector3;
+use jointplay_core::nalgebra::{DVector, Vector3};
 
 fn mobility(mechanism: &Mechanism) -> SparseMobility {
     let mut system = SparseSystem::new(mechanism, guess(mechanism)).unwrap();
@@ -170,4 +172,28 @@ fn open_loops_are_reported() {
     assert!((1e-8..1e-2).contains(&residual), "{residual:e}");
     assert_eq!(residual, system.residual());
     assert!(matches!(system.mobility(RANK_THRESHOLD), Err(Error::NotClosed { .. })));
+}
+
+/// Rotation vectors of whole turns, at which derivatives of a rotation by its vector vanish: every motion is listed, and satisfies the dense constraints.
+#[test]
+fn balls_after_whole_turns_keep_all_motions() {
+    let mechanism = Gpr::paper().to_mechanism("turned");
+    let turn = std::f64::consts::TAU;
+    let mut home = guess(&mechanism);
+    home[5] = turn;
+    home.rows_mut(6, 3).copy_from_slice(&[0.6 * turn, 0.0, 0.8 * turn]);
+    let found = SparseSystem::new(&mechanism, home.clone()).unwrap().mobility(RANK_THRESHOLD);
+    let found = found.unwrap();
+    assert_eq!((found.mobility, found.motions.len(), found.finite), (3, 3, Some(1)));
+    let dense = MechanismSystem::new(&mechanism, home).unwrap();
+    let at = dense.at_home();
+    let length = found.characteristic_length;
+    let units: Vec<f64> =
+        dense.coordinate_dimensions().iter().map(|one| one.unit(length)).collect();
+    for motion in found.null_space().unwrap().column_iter() {
+        assert!(motion.norm() > 0.1);
+        let rates = DVector::from_fn(motion.len(), |k, _| motion[k] * units[k]);
+        let violated = dense.constraint_jacobian(&at) * rates;
+        assert!(violated.amax() < 1e-12 * motion.norm(), "{violated}");
+    }
 }

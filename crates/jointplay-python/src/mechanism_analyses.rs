@@ -1,7 +1,6 @@
 //! Analyses of any mechanism.
 
 use jointplay::bulk::{Status, StatusCounts};
-use jointplay::constraint::System as _;
 use jointplay::mechanism::{
     Closure, CommandedPositions, MechanismSystem, ReliefSolver, branches, close_sparse,
     commanded_guess, mechanism_mobility,
@@ -242,8 +241,8 @@ impl PyMechanism {
         let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         let found = py.detach(|| {
             let relief = this.relieved(&commands)?;
-            let system = MechanismSystem::new(&this.file.mechanism, relief.coordinates.clone())?;
-            let (at, length) = (system.at_home(), system.characteristic_length());
+            let system = relief.system(&this.file.mechanism)?;
+            let (at, length) = (system.at_home(), relief.characteristic_length);
             let sensitivity =
                 commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
             Ok((relief, sensitivity))

@@ -56,14 +56,12 @@ pub struct VirtualJointReport {
 /// # Arguments
 /// * `commanded` – indices of the commanded coordinates
 /// * `singular_values` – of ∂X/∂P for the commanded coordinates
-/// * `characteristic_length` – length by which rotations are multiplied (m)
 #[must_use]
 pub fn relief(
     file: &MechanismFile,
     relief: &Relief,
     commanded: &[usize],
     singular_values: &[f64],
-    characteristic_length: f64,
 ) -> ReliefReport {
     let coordinates = Coordinates::of(file);
     let joints = file.mechanism.virtual_joints();
@@ -94,6 +92,6 @@ pub fn relief(
         size_unit,
         residual: relief.residual,
         singular_values: singular_values.to_vec(),
-        characteristic_length_mm: mm(characteristic_length),
+        characteristic_length_mm: mm(relief.characteristic_length),
     }
 }

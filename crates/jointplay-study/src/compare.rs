@@ -1,6 +1,6 @@
 //! Comparison of all models over a range of tilts.
 
-use jointplay_core::gpr::{AxisHeight, Gpr};
+use jointplay_core::gpr::{AxisHeight, BrokenLimit, Gpr};
 use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 use nalgebra::Vector2;
@@ -97,4 +97,31 @@ pub fn compare(
         })
         .collect::<Result<_, Error>>()?;
     Ok(Comparison { azimuth, height, tilt_angles: tilt_angles.to_vec(), models, approximate_gap })
+}
+
+/// Limits that a range of tilts at one azimuth and one axis height breaks, each once.
+///
+/// Rods are monotonic in the tilt angle, so that the two ends of the range break every limit that a tilt between them breaks; the values are those at the ends.
+///
+/// # Errors
+/// Those of [`Gpr::inverse`] at an end of the range; a robot with limit checks refuses a tilt beyond its limits.
+pub fn broken_limits(
+    gpr: &Gpr,
+    azimuth: f64,
+    tilt_angles: &[f64],
+    height: AxisHeight,
+) -> Result<Vec<BrokenLimit>, jointplay_core::Error> {
+    let angles = || tilt_angles.iter().copied();
+    let ends = [angles().reduce(f64::min), angles().reduce(f64::max)];
+    let mut all = Vec::new();
+    for angle in ends.into_iter().flatten() {
+        let tilt = Tilt { azimuth, angle };
+        let rods = gpr.inverse(tilt, height)?;
+        for limit in gpr.limits().broken(&rods, tilt).iter() {
+            if !all.contains(&limit) {
+                all.push(limit);
+            }
+        }
+    }
+    Ok(all)
 }

@@ -8,7 +8,7 @@
 //! | compute columns of poses on all cores | [`parallel`] |
 //! | sum them up | [`summarize`] → [`Summary`] |
 //! | check them against the bounds of sensitivity | [`check_bounds`] → [`BoundsCheck`] |
-//! | compare all models | [`compare`] → [`Comparison`] |
+//! | compare all models | [`compare`] → [`Comparison`]; limits of the tilts: [`broken_limits`] |
 //! | compute millions of samples, from grids or at random, of robots as built | [`plan`] |
 //!
 //! ```
@@ -31,7 +31,7 @@ mod samples;
 mod summary;
 
 pub use bounds_check::{BoundsCheck, check_bounds};
-pub use compare::{Comparison, ModelCurve, compare};
+pub use compare::{Comparison, ModelCurve, broken_limits, compare};
 pub use error::Error;
 pub use key_motion::{KeyMotion, KeyPose};
 pub use raster::{Order, Raster, refine};

@@ -1,10 +1,11 @@
 //! Studies as a caller sees them: order, errors, sums, comparisons.
 
-use jointplay_core::gpr::{AxisHeight, Gpr};
+use jointplay_core::gpr::{AxisHeight, BrokenLimit, Gpr};
 use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{Planar, Polar, SolveOptions, Solver, built_in};
 use jointplay_study::{
-    Error, Order, Raster, Samples, SeriesKind, check_bounds, compare, simulate, summarize,
+    Error, Order, Raster, Samples, SeriesKind, broken_limits, check_bounds, compare, simulate,
+    summarize,
 };
 
 fn newton() -> SolveOptions {
@@ -156,5 +157,35 @@ fn a_comparison_is_its_poses() {
     // What the approximate model calls a gap, the planar model calls a displacement.
     for (gap, moved) in found.approximate_gap.iter().zip(&found.models[3].largest_displacement) {
         assert!((gap - moved).abs() < 1e-15);
+    }
+}
+
+/// Rods and tilts that each tilt of a range breaks, one by one, and those of the whole range.
+#[test]
+fn a_range_of_tilts_breaks_the_limits_that_its_tilts_break() {
+    let gpr = Gpr::paper().without_limit_checks();
+    // 0 for the tilt, else the number of the rod.
+    let which = |limit: &BrokenLimit| match limit {
+        BrokenLimit::Rod { limb, .. } => *limb,
+        BrokenLimit::Tilt { .. } => 0,
+    };
+    for (from, to) in [(-1.0, 1.0), (0.0, 2.0), (-2.0, 1.0), (-80.0, 10.0), (-75.0, 78.0)] {
+        for (height, azimuth) in [(0.5, 0.0), (0.5, 2.0), (0.74, 0.3), (0.25, 4.0)] {
+            let share = |k: usize| from + (to - from) * f64::from(u8::try_from(k).unwrap()) / 50.0;
+            let angles: Vec<f64> = (0..=50).map(|k| share(k).to_radians()).collect();
+            let found = broken_limits(&gpr, azimuth, &angles, AxisHeight(height)).unwrap();
+            let mut all: Vec<usize> = found.iter().map(which).collect();
+            let mut expected = Vec::new();
+            for &angle in &angles {
+                let tilt = Tilt { azimuth, angle };
+                let rods = gpr.inverse(tilt, AxisHeight(height)).unwrap();
+                expected.extend(gpr.limits().broken(&rods, tilt).iter().map(|one| which(&one)));
+            }
+            for of in [&mut all, &mut expected] {
+                of.sort_unstable();
+                of.dedup();
+            }
+            assert_eq!(all, expected, "{from}° to {to}°, {height} m, azimuth {azimuth}");
+        }
     }
 }

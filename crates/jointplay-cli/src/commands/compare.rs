@@ -10,8 +10,7 @@ use jointplay::format::units::m_from_mm;
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::plot::results::comparison as comparison_figure;
 use jointplay::report::{self, CompareReport, WaferOverPlatform};
-use jointplay::spatial::Tilt;
-use jointplay::study::{compare, refine};
+use jointplay::study::{broken_limits, compare, refine};
 use jointplay::virtualization::built_in;
 
 use crate::arguments::{
@@ -62,20 +61,8 @@ impl Compare {
         let azimuth = azimuth(self.azimuth_deg);
         let tilt_angles: Vec<f64> =
             self.tilt_deg.0.iter().map(|tilt_angle| tilt_angle.to_radians()).collect();
-        let mut broken = Vec::new();
-        // At one azimuth and height, the ends of the range exceed every limit that any tilt of it exceeds.
-        let ends = [
-            tilt_angles.iter().copied().reduce(f64::min),
-            tilt_angles.iter().copied().reduce(f64::max),
-        ];
-        for tilt_angle in ends.into_iter().flatten() {
-            let tilt = Tilt { azimuth, angle: tilt_angle };
-            for limit in self.answer.limits.check(&gpr, &gpr.inverse(tilt, height)?, tilt)? {
-                if !broken.contains(&limit) {
-                    broken.push(limit);
-                }
-            }
-        }
+        let broken = broken_limits(&gpr, azimuth, &tilt_angles, height)?;
+        let broken = self.answer.limits.accepted(broken)?;
         let options = self.metric.options(self.solver);
         let comparison = compare(&gpr, &built_in(), azimuth, &tilt_angles, height, &options)?;
         let report = report::compare(&comparison, &broken, &wafers);

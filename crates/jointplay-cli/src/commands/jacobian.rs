@@ -75,8 +75,7 @@ impl Jacobian {
             let commands: Vec<(usize, f64)> = commanded.iter().map(|&k| (k, at[k])).collect();
             let found = input.relieved(&commands)?;
             at = found.coordinates.clone();
-            system = MechanismSystem::new(mechanism, at.clone())?
-                .with_characteristic_length(found.characteristic_length)?;
+            system = found.system(mechanism)?;
             relief = Some(found);
         }
         let is_moving = !self.velocity.is_empty() || !self.acceleration.is_empty();

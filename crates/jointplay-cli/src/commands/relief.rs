@@ -2,8 +2,6 @@
 
 use std::fmt::Write as _;
 
-use jointplay::constraint::System as _;
-use jointplay::mechanism::MechanismSystem;
 use jointplay::mobility::RANK_THRESHOLD;
 use jointplay::report::{self, ReliefReport};
 use jointplay::sensitivity::commanded_sensitivity;
@@ -32,13 +30,12 @@ pub(super) fn run(
     let commands = input.commands(command)?;
     let working = Progress::of_work("sensitivity");
     let relief = input.relieved(&commands)?;
-    let system = MechanismSystem::new(&input.file.mechanism, relief.coordinates.clone())?;
+    let system = relief.system(&input.file.mechanism)?;
     let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-    let length = system.characteristic_length();
-    let sensitivity =
-        commanded_sensitivity(&system, &system.at_home(), &commanded, length, RANK_THRESHOLD)?;
+    let (at, length) = (system.at_home(), relief.characteristic_length);
+    let sensitivity = commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
     let values = sensitivity.singular_values().as_slice();
-    let report = report::relief(&input.file, &relief, &commanded, values, length);
+    let report = report::relief(&input.file, &relief, &commanded, values);
     drop(working);
     answer.format.print(&report, |report| text(input, report))?;
     let of_joints = relief.coordinates.rows(0, input.coordinates.joints()).into_owned();

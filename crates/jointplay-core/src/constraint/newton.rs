@@ -3,6 +3,7 @@
 //! | iteration | unknowns | step | ends |
 //! | --- | --- | --- | --- |
 //! | `mechanism::close` | free joint coordinates, re-based after each step | damped by the residual, refused where it drifts along undetermined motions | at round-off, or at the bottom of a valley |
+//! | near misses | displacement | stiff motions only, then minima of a quadratic model of the soft ones | where no step lowers the residual |
 //! | `mobility` corrections | displacement, also on a sphere | damped by the residual, until it lowers the residual | at round-off, or after several steps without a gain |
 //! | near mobility | coordinates orthogonal to a motion | damped by the residual, halved by [`backtrack`] | at the least residual, which need not be zero |
 //! | curves and continuation | displacement | [`newton_at_rank`] | at a given residual |

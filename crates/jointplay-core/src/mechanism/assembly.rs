@@ -6,6 +6,7 @@ use super::closing::close;
 use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::description::Mechanism;
 use super::nearest::nearest_closure;
+use super::second_order_closing::{close_at_second_order, near_miss_at};
 use super::system::{LoopGap, MechanismSystem};
 use super::unassembled::{OpenCoupling, OpenLoop, Unassembled};
 use crate::Error;
@@ -36,6 +37,7 @@ pub fn guess(mechanism: &Mechanism) -> DVector<f64> {
 
 /// Closes the loops near a guess, with some coordinates held.
 ///
+/// Where corrections of first order end at a near miss, as they do near a singular configuration of exact dimensions, a closed configuration nearby is searched at second order; not with virtual joints, which take up a small mismatch.
 /// Where that fails, other starts are tried, to distinguish a bad guess from links that do not fit, and the nearest closed configuration within the limits is searched, see [`Unassembled::accepted`].
 ///
 /// # Arguments
@@ -54,11 +56,33 @@ pub fn assemble(
     held: &[usize],
     starts: usize,
 ) -> Result<Closure, Error> {
+    assemble_within(mechanism, start, held, starts, None)
+}
+
+/// As [`assemble`], but without a search at second order where the near miss is within a tolerance that the user accepts.
+///
+/// # Arguments
+/// * `tolerance` – largest accepted mismatch, in radians and characteristic lengths
+pub(super) fn assemble_within(
+    mechanism: &Mechanism,
+    start: &DVector<f64>,
+    held: &[usize],
+    starts: usize,
+    tolerance: Option<f64>,
+) -> Result<Closure, Error> {
     let system = MechanismSystem::new(mechanism, start.clone())?;
     let free = free(mechanism, held);
     let best = close(&system, &free, MAX_ITERATIONS)?;
     if best.is_closed() {
         return Ok(best);
+    }
+    let is_accepted = tolerance.is_some_and(|tolerance| best.residual <= tolerance);
+    if !is_accepted {
+        for near in [near_miss_at(&system, &free)?, best.clone()] {
+            if let Some(closed) = close_at_second_order(&system, &free, &near)? {
+                return Ok(closed);
+            }
+        }
     }
     let near_guess = best.clone();
     let (branches, best) = search(&system, &free, starts, best)?;
@@ -183,7 +207,10 @@ fn search(
                     _ => START_RANGE * system.characteristic_length(),
                 };
         }
-        let found = close(&system.moved(&by)?, free, MAX_ITERATIONS)?;
+        let mut found = close(&system.moved(&by)?, free, MAX_ITERATIONS)?;
+        if let Some(closed) = close_at_second_order(system, free, &found)? {
+            found = closed;
+        }
         let known = |branch: &Closure| same(system, &branch.coordinates, &found.coordinates);
         if found.is_closed() && branches.len() < MAX_BRANCHES && !branches.iter().any(known) {
             branches.push(found.clone());

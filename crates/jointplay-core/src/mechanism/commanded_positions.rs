@@ -105,13 +105,12 @@ impl CommandedPositions {
             }
             Some(joints) => {
                 let relief = joints.relieve(mechanism, values.iter().copied(), solver)?;
-                *coordinates = relief.coordinates;
                 if self.length.to_bits() != relief.characteristic_length.to_bits() {
-                    let system = MechanismSystem::new(mechanism, coordinates.clone())?
-                        .with_characteristic_length(relief.characteristic_length)?;
+                    let system = relief.system(mechanism)?;
                     self.kinematics = DifferentialKinematics::new(&system, joints.coordinates())?;
                     self.length = relief.characteristic_length;
                 }
+                *coordinates = relief.coordinates;
                 Ok(relief.residual)
             }
         }

@@ -38,6 +38,19 @@ pub(super) fn range_scale([least, greatest]: [f64; 2]) -> f64 {
     if range.is_finite() { range } else { 1.0 }
 }
 
+/// Whether coordinates are within their limits.
+///
+/// # Arguments
+/// * `among` – indices of the coordinates that are looked at
+/// * `coordinates` – (f + M) (m, rad)
+pub(super) fn within_limits(
+    mechanism: &Mechanism,
+    among: &[usize],
+    coordinates: &DVector<f64>,
+) -> bool {
+    mechanism.beyond_limits(coordinates).iter().all(|one| !among.contains(&one.coordinate))
+}
+
 impl Mechanism {
     /// Limits of every coordinate, joints, then virtual joints (m or rad); `None` where there are none.
     fn all_limits(&self) -> impl Iterator<Item = Option<[f64; 2]>> + '_ {

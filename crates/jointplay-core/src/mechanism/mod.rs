@@ -36,6 +36,7 @@ mod principal_directions;
 mod reach;
 mod relief;
 mod relieved_motion;
+mod second_order_closing;
 mod self_stress;
 mod single_commands;
 mod singular;

@@ -11,7 +11,8 @@ use super::coupling_rows::coupling_rows;
 use super::description::Mechanism;
 use super::joint::Factor;
 use super::kinematics::Kinematics;
-use super::limits::{ROUND_OFF, range_scale};
+use super::limits::{ROUND_OFF, range_scale, within_limits};
+use super::second_order_closing::{close_at_second_order, near_miss_at};
 use super::system::MechanismSystem;
 use crate::Error;
 use crate::constraint::{Dimension, System, scaled_jacobian, units};
@@ -75,8 +76,7 @@ pub fn nearest_closure(
     }
     let system = MechanismSystem::new(mechanism, coordinates)?;
     let found = close(&system, &free, MAX_ITERATIONS)?;
-    let beyond = mechanism.beyond_limits(&found.coordinates);
-    let is_within = beyond.iter().all(|one| !free.contains(&one.coordinate));
+    let is_within = within_limits(mechanism, &free, &found.coordinates);
     let iterations = iterations + found.iterations;
     Ok((found.is_closed() && is_within).then_some(Closure {
         iterations,
@@ -177,10 +177,24 @@ impl<'a> Search<'a> {
         match self.closed_by(from.clone(), |_, angle| angle)? {
             Attempt { closure: None, can_turn: true } => {
                 let turned = |k, angle| self.turned_within(k, angle).unwrap_or(angle);
-                Ok(self.closed_by(from, turned)?.closure)
+                let found = self.closed_by(from.clone(), turned)?.closure;
+                found.map_or_else(|| self.closed_at_second_order(from), |found| Ok(Some(found)))
             }
+            Attempt { closure: None, .. } => self.closed_at_second_order(from),
             Attempt { closure, .. } => Ok(closure),
         }
+    }
+
+    /// Closes the loops where corrections of first order miss closed configurations nearby, or end beyond limits.
+    fn closed_at_second_order(&self, mut from: DVector<f64>) -> Result<Option<Closure>, Error> {
+        clamp(&mut from, &self.free, &self.limits);
+        let near = near_miss_at(&self.system.moved_to(from)?, &self.free)?;
+        if near.is_closed() {
+            let mechanism = self.system.kinematics().mechanism();
+            let is_within = within_limits(mechanism, &self.free, &near.coordinates);
+            return Ok(is_within.then_some(near));
+        }
+        close_at_second_order(&self.system, &self.free, &near)
     }
 
     /// Closes the loops; coordinates beyond their limits are put on them and held there.

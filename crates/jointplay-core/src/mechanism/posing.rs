@@ -2,15 +2,16 @@
 
 use nalgebra::DVector;
 
-use super::assembly::{assemble, guess};
+use super::assembly::{assemble, assemble_within, guess};
 use super::closure::Closure;
 use super::coupling_conflicts::contradicted;
 use super::description::Mechanism;
 use super::nearest::nearest_closure;
 use super::relief::{CommandedJoints, Relief, ReliefSolver, relieve};
+use super::second_order_closing::near_miss_at;
 use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
-use super::unassembled::Unassembled;
+use super::unassembled::{NEARLY_CLOSED, Unassembled};
 use crate::Error;
 use crate::constraint::System as _;
 
@@ -88,13 +89,16 @@ pub fn close_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Cl
 
 /// The configuration of the rigid links from which virtual joints are suggested: closed, or where measured dimensions miss a closure by little.
 ///
-/// With virtual joints, which a search replaces, it is that of [`close_at_rest`]; without them, the one of least mismatch with the actuators at their guesses.
+/// With virtual joints, which a search replaces, it is that of [`close_at_rest`]; without them, the one of least mismatch with the actuators at their guesses, also where a displacement of the actuators closes the loops exactly.
 /// The suggested virtual joints then close the loops too.
 ///
 /// # Errors
 /// Those of [`close_at_rest`], where the loops miss by more than a rounding of the dimensions.
 pub fn close_nearly(mechanism: &Mechanism) -> Result<Closure, Error> {
     let home = match close_at_rest(mechanism, None) {
+        Ok(home) if home.is_searched && is_near_miss(mechanism)? => {
+            near_at_guess(mechanism)?.unwrap_or(home)
+        }
         Err(Error::NotAssembled(found)) => match (found.near_miss(), near_at_guess(mechanism)?) {
             (Some(_), Some(near)) => near,
             (Some(near), None) => near.clone(),
@@ -104,6 +108,14 @@ pub fn close_nearly(mechanism: &Mechanism) -> Result<Closure, Error> {
     };
     let coordinates = home.coordinates.rows(0, mechanism.joint_freedoms()).into_owned();
     Ok(Closure { coordinates, ..home })
+}
+
+/// Whether the guess is next to a near miss that does not close.
+fn is_near_miss(mechanism: &Mechanism) -> Result<bool, Error> {
+    let system = MechanismSystem::new(mechanism, guess(mechanism))?;
+    let joints: Vec<usize> = (0..mechanism.joint_freedoms()).collect();
+    let near = near_miss_at(&system, &joints)?;
+    Ok(!near.is_closed() && near.residual <= NEARLY_CLOSED)
 }
 
 /// The near miss with the actuators at their guesses, if there is one: without them held, a least mismatch may be far along a motion that nearly closes.
@@ -147,7 +159,13 @@ fn close(
         return Ok(system.closure(iterations));
     }
     let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-    match assemble(mechanism, &commanded_guess(mechanism, commands), &held, STARTS) {
+    match assemble_within(
+        mechanism,
+        &commanded_guess(mechanism, commands),
+        &held,
+        STARTS,
+        tolerance,
+    ) {
         Err(Error::NotAssembled(found)) => match accepted(&found, tolerance) {
             Some(closure) => Ok(closure),
             None => Err(Error::NotAssembled(found)),

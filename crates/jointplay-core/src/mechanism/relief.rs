@@ -4,8 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::coupling_conflicts::contradicted;
 use super::motion::STEP_THRESHOLD;
+use super::second_order_closing::near_miss_at;
 use super::singular::DrivenCurve;
-use super::{MechanismSystem, close};
+use super::{Mechanism, MechanismSystem, close};
 use crate::Error;
 use crate::constraint::{
     CLOSURE_TOLERANCE, Dimension, System, scaled_jacobian, scaled_residual, units,
@@ -54,6 +55,17 @@ pub struct Relief {
     pub iterations: usize,
 }
 
+impl Relief {
+    /// The mechanism at the displaced configuration, with the characteristic length of the metric.
+    ///
+    /// # Errors
+    /// Those of [`MechanismSystem::new`].
+    pub fn system<'m>(&self, mechanism: &'m Mechanism) -> Result<MechanismSystem<'m>, Error> {
+        MechanismSystem::new(mechanism, self.coordinates.clone())?
+            .with_characteristic_length(self.characteristic_length)
+    }
+}
+
 /// Weights of the virtual joints: 1 for a slide and ρ² for a turn, or their stiffness where all have one.
 #[must_use]
 pub fn virtual_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
@@ -91,6 +103,8 @@ pub struct CommandedJoints {
     home: DVector<f64>,
     coordinates: Vec<usize>,
     undetermined: usize,
+    /// Whether the loops of the rigid links are open at home.
+    is_open: bool,
     /// Coordinates that move least before all others do.
     least: Vec<usize>,
 }
@@ -111,8 +125,9 @@ impl CommandedJoints {
         let here = held.here();
         let there = ForcedClosure::new(&held, &here);
         let undetermined = finite_mobility(&there, &here, STEP_THRESHOLD)?.lower_bound;
-        let home = home.home().rows(0, joints).into_owned();
-        Ok(Self { home, coordinates: coordinates.to_vec(), undetermined, least: Vec::new() })
+        let is_open = !home.is_closed();
+        let (home, coordinates) = (home.home().rows(0, joints).into_owned(), coordinates.to_vec());
+        Ok(Self { home, coordinates, undetermined, is_open, least: Vec::new() })
     }
 
     /// The same commands with coordinates that stay nearest home before all others do, such as those of motors.
@@ -165,6 +180,8 @@ fn passive(joints: usize, commanded: &[usize]) -> Vec<usize> {
 ///
 /// # Numerics
 /// The passive joints are eliminated at each step; what is left is a least-norm problem in the virtual joints alone.
+/// Rigid links that do not close have several displacements that are least nearby.
+/// From an open home, the iteration starts where the passive joints close the loops best with the virtual joints at rest, so that the displacement does not depend on where home is along a motion that nearly closes.
 /// Undetermined motions of the passive joints are excluded from this elimination, and bring the joints as near home as closed loops allow.
 /// Joint limits are not checked: see [`super::Mechanism::beyond_limits`].
 pub fn relieve(
@@ -172,6 +189,19 @@ pub fn relieve(
     commanded: &CommandedJoints,
     solver: ReliefSolver,
 ) -> Result<Relief, Error> {
+    let near_miss;
+    let start = if commanded.is_open {
+        let passive = passive(start.coordinate_dimensions().len(), &commanded.coordinates);
+        let mut coordinates = near_miss_at(start, &passive)?.coordinates;
+        // A ball of which one number is commanded turns by the others.
+        for &k in &commanded.coordinates {
+            coordinates[k] = start.home()[k];
+        }
+        near_miss = start.moved_to(coordinates)?;
+        &near_miss
+    } else {
+        start
+    };
     let first = relieved_from(start, commanded, solver, LONGEST_STEP)?;
     if first.residual <= CLOSURE_TOLERANCE {
         return Ok(first);

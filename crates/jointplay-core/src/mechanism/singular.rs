@@ -85,7 +85,7 @@ impl<'a> DrivenCurve<'a> {
     }
 
     /// (f + M) coordinates of a displacement on the curve (m, rad).
-    fn coordinates(&self, by: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn coordinates(&self, by: &DVector<f64>) -> DVector<f64> {
         let joints = self.full(&self.displaced(by)).coordinates;
         let mut all = DVector::zeros(self.system.home().len());
         all.rows_mut(0, joints.len()).copy_from(&joints);

@@ -4,7 +4,7 @@ use super::closure::Closure;
 use crate::constraint::CLOSURE_TOLERANCE;
 
 /// A mismatch up to this one may be the rounding of dimensions, and the message states so.
-const NEARLY_CLOSED: f64 = 1e-3;
+pub(super) const NEARLY_CLOSED: f64 = 1e-3;
 
 /// Loops that could not be closed from the guess.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

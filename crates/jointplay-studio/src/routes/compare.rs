@@ -4,10 +4,10 @@ use axum::Json;
 use axum::extract::State;
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::report::{self, CompareReport};
-use jointplay::spatial::Tilt;
+use jointplay::study::broken_limits;
 use jointplay::virtualization::built_in;
 
-use super::check_limits;
+use super::accepted_limits;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
@@ -51,20 +51,8 @@ fn compute(gpr: &Gpr, request: CompareRequest) -> Result<CompareReport, Problem>
     for (k, &found) in tilt_angles.iter().enumerate() {
         tilt_angle(found, &format!("tilts_rad[{k}]"))?;
     }
-    let mut broken = Vec::new();
-    // The ends of the range violate all limits that any tilt of the range violates.
-    let ends = [
-        tilt_angles.iter().copied().reduce(f64::min),
-        tilt_angles.iter().copied().reduce(f64::max),
-    ];
-    for tilt_angle in ends.into_iter().flatten() {
-        let tilt = Tilt { azimuth, angle: tilt_angle };
-        for limit in check_limits(gpr, &gpr.inverse(tilt, height)?, tilt, request.ignore_limits)? {
-            if !broken.contains(&limit) {
-                broken.push(limit);
-            }
-        }
-    }
+    let broken = broken_limits(gpr, azimuth, &tilt_angles, height)?;
+    let broken = accepted_limits(broken, request.ignore_limits)?;
     let compared =
         jointplay::study::compare(gpr, &built_in(), azimuth, &tilt_angles, height, &options)?;
     Ok(report::compare(&compared, &broken, &[]))

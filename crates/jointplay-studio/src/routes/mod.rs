@@ -69,6 +69,10 @@ fn check_limits(
     tilt: Tilt,
     ignore: bool,
 ) -> Result<Vec<BrokenLimit>, Problem> {
-    let broken: Vec<BrokenLimit> = gpr.limits().broken(rods, tilt).iter().collect();
+    accepted_limits(gpr.limits().broken(rods, tilt).iter().collect(), ignore)
+}
+
+/// Exceeded limits; an error if there are any, unless they are to be ignored.
+fn accepted_limits(broken: Vec<BrokenLimit>, ignore: bool) -> Result<Vec<BrokenLimit>, Problem> {
     if broken.is_empty() || ignore { Ok(broken) } else { Err(Problem::limits(&broken)) }
 }
