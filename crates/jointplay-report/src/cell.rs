@@ -2,9 +2,7 @@
 
 use std::ops::Range;
 
-use jointplay_cell::check::{
-    CheckResult, Report, Unmodelled, Utilization, Violation, unmodelled,
-};
+use jointplay_cell::check::{CheckResult, Report, Unmodelled, Utilization, Violation, unmodelled};
 use jointplay_cell::program::{HandoffDeflection, SourceLocation, handoff_deflections};
 use jointplay_cell::robot::AxisKind;
 use jointplay_cell::schedule::schedule;

@@ -14,9 +14,8 @@ pub enum Unmodelled {
 /// Arms and surroundings without bodies.
 #[must_use]
 pub fn unmodelled(cell: &Cell) -> Vec<Unmodelled> {
-    let has = |is_part: &dyn Fn(ParentFrame) -> bool| {
-        cell.bodies.iter().any(|body| is_part(body.parent))
-    };
+    let has =
+        |is_part: &dyn Fn(ParentFrame) -> bool| cell.bodies.iter().any(|body| is_part(body.parent));
     let is_of = |arm: usize| {
         has(&|parent| matches!(parent, ParentFrame::Link { arm: of, .. } if of == arm))
     };

@@ -44,7 +44,10 @@ pub fn cell_facts(report: &CellReport, program: &str) -> Vec<Fact> {
     let mut facts = vec![fact("platform", platform), fact("result", result)];
     if !report.not_checked.is_empty() {
         let parts = report.not_checked.join(", ");
-        facts.push(fact("not checked", format!("collisions of {parts}: the cell has no bodies for them")));
+        facts.push(fact(
+            "not checked",
+            format!("collisions of {parts}: the cell has no bodies for them"),
+        ));
     }
     facts.push(fact("program", size));
     facts.push(fact("time", format!("{} s", fixed(report.duration_s, 3))));
