@@ -1,5 +1,7 @@
 //! Parameters of cells on the command line, and what a search resumes from.
 
+use serde_json::json;
+
 use crate::sandbox::Sandbox;
 
 const CELL: &str = concat!(
@@ -62,6 +64,28 @@ fn parameters_of_a_cell_are_set_by_their_name_with_a_prefix() {
         assert_eq!(run.code, 2, "{set}");
         assert!(run.stderr.contains(expected), "{set}: {}", run.stderr);
     }
+}
+
+#[test]
+fn parts_without_bodies_are_listed_as_not_checked_for_collisions() {
+    let sandbox = sandbox();
+    let not_checked = || sandbox.json("cell check cell.toml")["not_checked"].clone();
+    let body = |name: &str, on: &str| {
+        let on = if on.is_empty() { String::new() } else { format!("on = {on}\n") };
+        format!(
+            "\n[[body]]\nname = \"{name}\"\n{on}position_mm = [0.0, -900.0, 0.0]\nbox = {{ size_mm = [10.0, 10.0, 10.0] }}\n"
+        )
+    };
+    assert_eq!(not_checked(), json!(["arm “arm”", "surroundings of the robot"]));
+    let text = sandbox.run("cell check cell.toml").stdout;
+    let line = "not checked          collisions of arm “arm”, surroundings of the robot: the cell has no bodies for them";
+    assert!(text.contains(line), "{text}");
+    sandbox.write("cell.toml", &format!("{CELL}{}", body("wall", "")));
+    assert_eq!(not_checked(), json!(["arm “arm”"]));
+    let on_link = body("hub", r#"{ arm = "arm", link = 1 }"#).replace("-900.0", "0.0");
+    sandbox.write("cell.toml", &format!("{CELL}{}{on_link}", body("wall", "")));
+    assert_eq!(not_checked(), json!([]));
+    assert!(!sandbox.run("cell check cell.toml").stdout.contains("not checked"));
 }
 
 #[test]
