@@ -91,9 +91,9 @@ fn many_poses_are_those_of_as_many_calls() {
             let mut sets: Vec<[f64; 3]> = (0..count)
                 .map(|k| [0.618_034, 0.414_214, 0.732_051].map(|s| 0.497 + 0.006 * fraction(k, s)))
                 .collect();
-            for (k, wrong) in [(3, f64::NAN), (239, 0.9), (240, f64::INFINITY), (777, 0.2)] {
+            for (k, invalid) in [(3, f64::NAN), (239, 0.9), (240, f64::INFINITY), (777, 0.2)] {
                 if let Some(set) = sets.get_mut(k) {
-                    set[k % 3] = wrong;
+                    set[k % 3] = invalid;
                 }
             }
             let (mut poses, mut joints) = (vec![7.0; 16 * count], vec![7.0; 6 * count]);

@@ -327,7 +327,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
     }
 }
 
-/// Name of a part of a cell without bodies, for people.
+/// Name of a part of a cell without bodies.
 fn unmodelled_name(cell: &Cell, part: Unmodelled) -> String {
     match part {
         Unmodelled::Arm(arm) => format!("arm “{}”", cell.robot.arms[arm].name),

@@ -106,7 +106,7 @@ fn try_image(builder: &str, image: &str, archive: &Path) -> io::Result<()> {
 
 /// The layers of an image in an archive, by the sums of their contents; none in another file.
 ///
-/// Two images of the same files differ in names that the builder makes up for each.
+/// Two images of the same files differ in names that the builder invents for each.
 pub(super) fn layers(archive: &Path) -> Option<Vec<String>> {
     let mut tar = Command::new("tar");
     tar.arg("-xOf").arg(archive).arg("manifest.json").stderr(Stdio::null());
