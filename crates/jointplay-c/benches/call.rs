@@ -19,7 +19,8 @@ const SETS: usize = 1000;
 
 fn rust(c: &mut Criterion, name: &str, virtualization: BuiltIn) {
     let options = SolveOptions::default();
-    let solver = PoseSolver::new(&Gpr::paper(), virtualization, &options).unwrap();
+    let solver =
+        PoseSolver::new(&Gpr::paper(), virtualization, &options).expect("the metric is valid");
     c.bench_function(&format!("forward/{name}/rust"), |bencher| {
         bencher.iter(|| solver.forward(black_box(RODS)));
     });

@@ -172,7 +172,8 @@ fn values<W: Simd, const N: usize>(
 ) -> [f64; MOST] {
     let mut values = [0.0; MOST];
     for first in (0..count).step_by(Lanes::<W>::COUNT) {
-        let low = row(wide, coefficients, 0, first) + degree(wide, coefficients, 1, first, terms);
+        let constant = Lanes::of(wide, &coefficients.0[0][first..first + Lanes::<W>::COUNT]);
+        let low = constant + degree(wide, coefficients, 1, first, terms);
         let high = degree(wide, coefficients, 2, first, terms)
             + degree(wide, coefficients, 3, first, terms);
         let mut sum = low + high;
@@ -184,12 +185,6 @@ fn values<W: Simd, const N: usize>(
     values
 }
 
-/// Coefficients of a term in as many virtual joints as there are lanes.
-#[inline(always)]
-fn row<W: Simd>(wide: W, coefficients: &Coefficients, term: usize, first: usize) -> Lanes<W> {
-    Lanes::of(wide, &coefficients.0[term][first..first + Lanes::<W>::COUNT])
-}
-
 /// Sum of the terms of degree 2n.
 #[inline(always)]
 fn degree<W: Simd>(
@@ -199,11 +194,12 @@ fn degree<W: Simd>(
     first: usize,
     terms: &[Lanes<Scalar>; TERMS],
 ) -> Lanes<W> {
-    let from = n * n;
-    let mut sum = row(wide, coefficients, from, first) * terms[from].number();
+    let Coefficients(rows) = coefficients;
+    let (from, lanes) = (n * n, Lanes::<W>::COUNT);
+    let mut sum = Lanes::of(wide, &rows[from][first..first + lanes]) * terms[from].number();
     for k in from + 1..(n + 1) * (n + 1) {
         let term = Lanes::splat(wide, terms[k].number());
-        sum = row(wide, coefficients, k, first).times_plus(term, sum);
+        sum = Lanes::of(wide, &rows[k][first..first + lanes]).times_plus(term, sum);
     }
     sum
 }
@@ -227,9 +223,9 @@ mod tests {
             terms::<Scalar, 4>(Lanes::splat(Scalar, number()), Lanes::splat(Scalar, number()));
         let bits = |values: [f64; MOST]| values[..JOINTS].iter().map(|x| x.to_bits()).collect();
         let expected: Vec<u64> = bits(values::<_, 4>(Scalar, &coefficients, JOINTS, &terms));
-        for joint in 0..JOINTS {
+        for (joint, expected) in expected.iter().enumerate() {
             let alone = value::<Scalar, 4>(&coefficients, joint, &terms).number();
-            assert!((alone - f64::from_bits(expected[joint])).abs() < 1e-14);
+            assert!((alone - f64::from_bits(*expected)).abs() < 1e-14);
         }
         let check = |found: [f64; MOST]| assert_eq!(bits(found), expected);
         check(values::<_, 4>(pulp::Scalar128b, &coefficients, JOINTS, &terms));
