@@ -89,6 +89,12 @@ pub enum Problem {
         /// Values of its names.
         arguments: String,
     },
+    /// More fields than a template may have.
+    #[error("a template has at most {allowed} fields")]
+    TooManyFields {
+        /// Largest number of fields.
+        allowed: usize,
+    },
     /// A filled template that is too long.
     #[error(
         "the text of this template is longer than {allowed} bytes with the values of its fields"

@@ -13,6 +13,9 @@ use super::problem::Problem;
 /// Longest text of a filled template (bytes): templates of lines contain filled ones, each of them any number of times.
 const MOST_TEXT: usize = 1 << 16;
 
+/// Most fields of a template; each of them has the line of the file in its place.
+const MOST_FIELDS: usize = 1000;
+
 /// Names that a template may contain.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Names {
@@ -123,6 +126,10 @@ impl Template {
                     plain.push(letter);
                 }
                 '{' => {
+                    if parts.len() == MOST_FIELDS {
+                        let problem = Problem::TooManyFields { allowed: MOST_FIELDS };
+                        return Err((at..text.len(), problem));
+                    }
                     let start = at + 1;
                     let Some((end, _)) = letters.find(|(_, letter)| *letter == '}') else {
                         return Err((at..text.len(), Problem::Open));
@@ -351,12 +358,22 @@ mod tests {
 
     /// Before, a file of 80 kB made of each line of a host gigabytes of text.
     #[test]
-    fn texts_of_thousands_of_fields_are_rejected_at_the_field_that_is_too_much() {
-        let lines = |count: usize| parse(&"{text}".repeat(count)).unwrap().fill(value);
-        assert_eq!(lines(MOST_TEXT / 3).unwrap().len(), MOST_TEXT / 3 * 3);
-        let error = lines(MOST_TEXT).unwrap_err();
+    fn texts_that_many_fields_make_long_are_rejected_at_the_field_that_is_too_much() {
+        let long = |_: &str| Value::Text("a".repeat(MOST_TEXT / 64));
+        let lines = |count: usize| parse(&"{text}".repeat(count)).unwrap().fill(long);
+        assert_eq!(lines(64).unwrap().len(), MOST_TEXT);
+        let error = lines(100).unwrap_err();
         assert!(error.to_string().contains("longer than 65536 bytes"), "{error}");
-        assert_eq!(error.place.column, MOST_TEXT / 3 * "{text}".len() + 2);
+        assert_eq!(error.place.column, 64 * "{text}".len() + 2);
+    }
+
+    /// Before, the places of 65,536 fields in one line took 25 GB.
+    #[test]
+    fn templates_with_thousands_of_fields_are_rejected() {
+        assert!(parse(&"{text}".repeat(MOST_FIELDS)).is_ok());
+        let (part, problem) = parse(&"{text}".repeat(MOST_FIELDS + 1)).unwrap_err();
+        assert_eq!(part.start, MOST_FIELDS * "{text}".len());
+        assert_eq!(problem.to_string(), "a template has at most 1000 fields");
     }
 
     #[test]
