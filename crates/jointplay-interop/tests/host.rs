@@ -281,8 +281,8 @@ fn lines_have_codes_identifiers_and_checksums() {
 fn forms_of_lines_that_multiply_the_text_fit_no_line() {
     let input = format!(
         "\n[input]\ncovered = \"{}\"\nline = \"{}\"\n",
-        "{text}".repeat(7000),
-        "{covered}".repeat(4000)
+        "{text}".repeat(1000),
+        "{covered}".repeat(1000)
     );
     let language = HostLanguage::parse(&(NEUTRAL.to_owned() + &input)).unwrap();
     let mut host = Host::new(&language, 1.0);
