@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::io::{Cursor, Read as _};
 
+use jointplay_core::bulk::PoseSolver;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::mechanism::{
     CommandedPositions, Kinematics, ReliefSolver, close_commanded, pose_commanded,
@@ -125,6 +126,8 @@ fn outputs_of_robots_are_those_of_the_library_to_the_bit() {
         [(named(from_catalogue("gpr")), one), (named(Resources::for_model(TRIPOD)), one)]
     }) {
         let gpr = robot::parse(&resources.model).unwrap().gpr;
+        let prepared = PoseSolver::new(&gpr, virtualization.as_built_in().unwrap(), &options);
+        let prepared = prepared.unwrap();
         let mut fmu = Fmu::new(&resources).unwrap();
         let listed = outputs(&fmu);
         let steps: Vec<_> = path(&fmu, 5e-4).collect();
@@ -132,7 +135,7 @@ fn outputs_of_robots_are_those_of_the_library_to_the_bit() {
             fmu.set(&set).unwrap();
             fmu.update().unwrap();
             let rods: Vec<f64> = set.iter().map(|&(_, value)| value).collect();
-            let pose = gpr.forward(rods.try_into().unwrap(), virtualization, &options).unwrap();
+            let pose = prepared.forward(rods.try_into().unwrap()).unwrap();
             let found = values(&fmu, &listed);
             check_pose(&found[..7], &pose.base_from_platform);
             let moved = gpr.virtual_displacements(&pose, virtualization);

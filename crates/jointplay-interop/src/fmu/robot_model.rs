@@ -1,10 +1,11 @@
 //! Three-rod robots: forward kinematics under a virtualization.
 
 use jointplay_core::Error as CoreError;
+use jointplay_core::bulk::PoseSolver;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::quaternion_rate;
 use jointplay_core::virtualization::{
-    Planar, SolveOptions, VirtualJointKind, Virtualization, built_in,
+    BuiltIn, SolveOptions, VirtualJointKind, Virtualization, built_in,
 };
 use jointplay_format::explain::explain_limit;
 use jointplay_format::robot::parse_with;
@@ -22,7 +23,7 @@ const RODS: [&str; 3] = ["rod 1", "rod 2", "rod 3"];
 pub(super) struct RobotModel {
     gpr: Gpr,
     virtualization: &'static dyn Virtualization,
-    options: SolveOptions,
+    solver: PoseSolver,
 }
 
 impl std::fmt::Debug for RobotModel {
@@ -37,7 +38,7 @@ impl std::fmt::Debug for RobotModel {
 
 impl RobotModel {
     pub(super) fn new(resources: &Resources) -> Result<(Self, Variables, Solved), Error> {
-        let virtualization = named(resources.virtualization.as_deref())?;
+        let built_in = named(resources.virtualization.as_deref())?;
         let read = parse_with(&resources.model, &resources.parameters);
         let robot = read.map_err(|errors| {
             let file = RESOURCE_FILES[0].to_owned();
@@ -57,7 +58,8 @@ impl RobotModel {
             })?;
             rods[k] = *value;
         }
-        let model = Self { gpr, virtualization, options: SolveOptions::default() };
+        let solver = PoseSolver::new(&gpr, built_in, &SolveOptions::default())?;
+        let model = Self { gpr, virtualization: built_in.model(), solver };
         let variables = model.variables(&rods);
         let solved = model.solve(&rods, None)?;
         Ok((model, variables, solved))
@@ -85,7 +87,7 @@ impl RobotModel {
     /// The pose for lengths of the rods (m).
     pub(super) fn solve(&self, drives: &[f64], near: Option<&Solved>) -> Result<Solved, Error> {
         let rods: [f64; 3] = three(drives)?;
-        let found = self.gpr.forward(rods, self.virtualization, &self.options);
+        let found = self.solver.forward(rods);
         let pose = found.map_err(|error| match error {
             CoreError::BeyondLimits(broken) => Error::BeyondLimits {
                 messages: broken.iter().map(|one| explain_limit(&one)).collect(),
@@ -99,7 +101,7 @@ impl RobotModel {
     }
 
     pub(super) fn rates(&self, at: &Solved, drives: &[f64]) -> Result<Vec<f64>, Error> {
-        let pose = self.gpr.forward(three(&at.drives)?, self.virtualization, &self.options)?;
+        let pose = self.solver.forward(three(&at.drives)?)?;
         let jacobian = self.gpr.platform_jacobian(&pose, self.virtualization)?;
         let velocities = Vector3::from(three(drives)?);
         let twist = jacobian.velocity(&velocities);
@@ -121,9 +123,10 @@ fn three(values: &[f64]) -> Result<[f64; 3], CoreError> {
 }
 
 /// A virtualization of the library by its name; the planar one without a name.
-fn named(name: Option<&str>) -> Result<&'static dyn Virtualization, Error> {
-    let Some(name) = name else { return Ok(&Planar) };
-    built_in().into_iter().find(|model| model.name() == name).ok_or_else(|| {
+fn named(name: Option<&str>) -> Result<BuiltIn, Error> {
+    let Some(name) = name else { return Ok(BuiltIn::Planar) };
+    let found = built_in().into_iter().find(|model| model.name() == name);
+    found.and_then(Virtualization::as_built_in).ok_or_else(|| {
         let known = built_in().iter().map(|model| model.name().to_owned()).collect();
         Error::Virtualization { found: name.to_owned(), known }
     })
