@@ -8,7 +8,7 @@ use jointplay::bulk::{Column, PoseSolver, Quantity, Status};
 use crate::transform::ENTRIES;
 use crate::virtualization::JP_MAX_VIRTUAL_JOINTS;
 
-/// Most sets that are computed at a time: their results, 35 kB, are on the stack, and their columns in different lines of the first cache.
+/// Most sets that are computed at a time: their results take 35 kB of the stack, and columns of this length begin in different sets of the level-1 cache.
 pub(crate) const BLOCK: usize = 240;
 
 /// Entries of a transform that differ between poses: its first three rows.

@@ -80,6 +80,9 @@ fn parts_without_bodies_are_listed_as_not_checked_for_collisions() {
     let text = sandbox.run("cell check cell.toml").stdout;
     let line = "not checked          collisions of arm “arm”, surroundings of the robot: the cell has no bodies for them";
     assert!(text.contains(line), "{text}");
+    assert_eq!(sandbox.run("cell report cell.toml").code, 0);
+    let page = sandbox.read("cell-report.html");
+    assert!(page.contains("Not checked: collisions of arm “arm”, surroundings of the robot: "));
     sandbox.write("cell.toml", &format!("{CELL}{}", body("wall", "")));
     assert_eq!(not_checked(), json!(["arm “arm”"]));
     let on_link = body("hub", r#"{ arm = "arm", link = 1 }"#).replace("-900.0", "0.0");

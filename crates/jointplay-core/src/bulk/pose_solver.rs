@@ -8,7 +8,7 @@ use super::forward::Work;
 use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
 use crate::gpr::{Gpr, PlatformPose, ball_sides, solution};
-use crate::kernel::{self, FirstStep, JointPolynomials, Model, SingleJoints, SinglePose, Task};
+use crate::kernel::{self, FirstStep, JointPolynomials, Model, Single, Task};
 use crate::virtualization::{BuiltIn, Solution, SolveOptions, VirtualJoints, solve};
 
 /// Relative threshold of the interpolated poses: some ten times round-off.
@@ -159,6 +159,22 @@ impl PoseSolver {
         let call = JointsCall::<M> { solver: self, rods, model: PhantomData };
         self.gpr.dimensions().processor.run_wide(call)
     }
+
+    /// By the polynomials, or by the solver where there are none.
+    #[inline(always)]
+    fn single<S: Simd, M: Model>(
+        &self,
+        simd: S,
+        task: &Task<'_>,
+        rods: &[f64; 3],
+    ) -> Option<Single> {
+        // Nothing is compiled for polynomials that a model never has.
+        if M::SETTLES && task.polynomials.is_some() {
+            Single::by_polynomials::<S, M>(simd, task, rods)
+        } else {
+            Single::new::<M>(task, rods)
+        }
+    }
 }
 
 /// One pose of a prepared solver.
@@ -175,13 +191,9 @@ impl<M: Model> WithSimd for PoseCall<'_, M> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { solver, rods, .. } = self;
         let task = solver.task::<M>();
-        let found = if M::SETTLES && task.polynomials.is_some() {
-            SinglePose::by_polynomials::<S, M>(simd, &task, &rods)
-        } else {
-            SinglePose::new::<M>(&task, &rods)
-        };
-        match found {
+        match solver.single::<S, M>(simd, &task, &rods) {
             Some(found) => {
+                let found = found.pose::<M>(task.geometry);
                 Ok(solver.gpr.found_pose(rods, &task, solver.characteristic_length, found))
             }
             None => solver.gpr.forward(rods, solver.virtualization.model(), &solver.options),
@@ -203,13 +215,11 @@ impl<M: Model> WithSimd for JointsCall<'_, M> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { solver, rods, .. } = self;
         let task = solver.task::<M>();
-        let found = if M::SETTLES && task.polynomials.is_some() {
-            SingleJoints::by_polynomials::<S, M>(simd, &task, &rods)
-        } else {
-            SingleJoints::new::<M>(&task, &rods)
-        };
-        match found {
-            Some(found) => Ok(solution(&task, solver.characteristic_length, found)),
+        match solver.single::<S, M>(simd, &task, &rods) {
+            Some(found) => {
+                let found = found.joints::<M>(task.geometry);
+                Ok(solution(&task, solver.characteristic_length, found))
+            }
             None => solver.gpr.virtual_joints(rods, solver.virtualization.model(), &solver.options),
         }
     }

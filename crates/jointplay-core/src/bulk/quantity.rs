@@ -10,7 +10,7 @@ use crate::virtualization::Virtualization;
 pub enum Quantity {
     /// Side L_12, L_23 or L_31 (m).
     Side(usize),
-    /// Displacement of a virtual joint, in the order of X ((m), (rad)).
+    /// Coordinate of a virtual joint, in the order of X ((m), (rad)).
     VirtualJoint(usize),
     /// Displacement of a virtual joint from nominal, in the order of X ((m), (rad)).
     VirtualDisplacement(usize),

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::error::{LARGEST_LENGTH, length};
 use crate::float::sqrt;
 #[cfg(feature = "std")]
-use crate::kernel::{self, Model, SingleJoints, SinglePose, Task};
+use crate::kernel::{self, Model, Single, SingleJoints, SinglePose, Task};
 use crate::spatial::{Pose, Tilt, fit_in_plane};
 #[cfg(feature = "std")]
 use crate::virtualization::{BuiltIn, Offset, Planar, Polar, Radial};
@@ -221,8 +221,11 @@ impl Gpr {
             #[inline(always)]
             || {
                 let task = Task::new::<M>(dimensions, options, characteristic_length);
-                match SinglePose::new::<M>(&task, rods) {
-                    Some(found) => Ok(self.found_pose(*rods, &task, characteristic_length, found)),
+                match Single::new::<M>(&task, rods) {
+                    Some(found) => {
+                        let found = found.pose::<M>(dimensions);
+                        Ok(self.found_pose(*rods, &task, characteristic_length, found))
+                    }
                     None => self.general_pose(*rods, virtualization, options),
                 }
             },
@@ -244,8 +247,10 @@ impl Gpr {
             #[inline(always)]
             || {
                 let task = Task::new::<M>(dimensions, options, characteristic_length);
-                match SingleJoints::new::<M>(&task, rods) {
-                    Some(found) => Ok(solution(&task, characteristic_length, found)),
+                match Single::new::<M>(&task, rods) {
+                    Some(found) => {
+                        Ok(solution(&task, characteristic_length, found.joints::<M>(dimensions)))
+                    }
                     None => Ok(self.general_pose(*rods, virtualization, options)?.solution),
                 }
             },
@@ -385,7 +390,7 @@ mod tests {
 
     fn kernel_answers<M: Model>(gpr: &Gpr, rods: &[f64; 3], options: &SolveOptions) -> bool {
         let length = options.metric.characteristic_length(gpr.platform()).unwrap();
-        SinglePose::new::<M>(&Task::new::<M>(gpr.dimensions(), options, length), rods).is_some()
+        Single::new::<M>(&Task::new::<M>(gpr.dimensions(), options, length), rods).is_some()
     }
 
     /// The closed equations answer for all usual poses, and what they answer is what the general solver finds.

@@ -25,6 +25,6 @@ pub(crate) use lanes::{Lanes, MOST, Mask};
 pub(crate) use model::{Model, Offset, Planar, Polar, Radial};
 pub(crate) use pose::{Plane, PlatformPoses};
 pub(crate) use shape::{Balls, Shape, Three};
-pub(crate) use single::{SingleJoints, SinglePose};
+pub(crate) use single::{Single, SingleJoints, SinglePose};
 pub(crate) use solve::{ClosedForm, LeastNorm, Method, Newton};
 pub(crate) use trigonometry::{angle_of, sin_cos};

@@ -32,17 +32,19 @@ pub(crate) struct SinglePose {
     pub(crate) base_from_platform: Pose,
 }
 
-/// Virtual joints and what they were found from, in scalar registers.
-struct Solved {
+/// Virtual joints of one pose and what they were found from, in scalar registers.
+pub(crate) struct Single {
     balls: Balls<Scalar>,
     plane: Plane<Scalar>,
     found: Found<Scalar>,
 }
 
-impl Solved {
-    /// By the solver of the task; `None` where the answer is not beyond doubt.
+impl Single {
+    /// By the solver of the task for given rods; `None` where the answer is not beyond doubt.
+    ///
+    /// The same operations as for many poses: for a caller that [`Processor::run`](super::processor::Processor::run) has given the instructions of the processor.
     #[inline(always)]
-    fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
+    pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
         if task.max_iterations == 0 {
             return None;
         }
@@ -52,7 +54,7 @@ impl Solved {
 
     /// By the polynomials of the task; `None` without them, or where the answer is not beyond doubt.
     #[inline(always)]
-    fn by_polynomials<W: Simd, M: Model>(
+    pub(crate) fn by_polynomials<W: Simd, M: Model>(
         wide: W,
         task: &Task<'_>,
         rods: &[f64; 3],
@@ -71,8 +73,9 @@ impl Solved {
         (found.met & upright & flat).any().then_some(Self { balls, plane, found })
     }
 
+    /// The pose of the platform, with the virtual joints.
     #[inline(always)]
-    fn pose<M: Model>(&self, geometry: &Geometry) -> SinglePose {
+    pub(crate) fn pose<M: Model>(&self, geometry: &Geometry) -> SinglePose {
         let shape = Shape::at::<M>(geometry, self.found.a, self.found.b);
         let placed = PlatformPoses::new(geometry, &self.balls, &self.plane, &shape);
         let axes = placed.axes().map(|axis| axis.map(Lanes::number));
@@ -86,8 +89,9 @@ impl Solved {
         }
     }
 
+    /// The virtual joints.
     #[inline(always)]
-    fn joints<M: Model>(&self, geometry: &Geometry) -> SingleJoints {
+    pub(crate) fn joints<M: Model>(&self, geometry: &Geometry) -> SingleJoints {
         let mut virtual_joints = VirtualJoints::zeros(if M::ACROSS { 6 } else { 3 });
         for k in 0..3 {
             virtual_joints[k] = self.found.a[k].number();
@@ -112,42 +116,4 @@ fn balls(geometry: &Geometry, rods: &[f64; 3]) -> Balls<Scalar> {
     let [a, b, c] = *rods;
     let rods = [Lanes::splat(Scalar, a), Lanes::splat(Scalar, b), Lanes::splat(Scalar, c)];
     Balls::new(geometry, rods)
-}
-
-impl SingleJoints {
-    /// The virtual joints for given rods; `None` where the answer is not beyond doubt.
-    ///
-    /// The same operations as for many poses, in scalar registers: for a caller that [`Processor::run`](super::processor::Processor::run) has given the instructions of the processor.
-    #[inline(always)]
-    pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
-        Some(Solved::new::<M>(task, rods)?.joints::<M>(task.geometry))
-    }
-
-    /// The virtual joints for given rods by the polynomials of the task; `None` without them, or where the answer is not beyond doubt.
-    #[inline(always)]
-    pub(crate) fn by_polynomials<W: Simd, M: Model>(
-        wide: W,
-        task: &Task<'_>,
-        rods: &[f64; 3],
-    ) -> Option<Self> {
-        Some(Solved::by_polynomials::<W, M>(wide, task, rods)?.joints::<M>(task.geometry))
-    }
-}
-
-impl SinglePose {
-    /// The pose for given rods; `None` where the answer is not beyond doubt; see [`SingleJoints::new`].
-    #[inline(always)]
-    pub(crate) fn new<M: Model>(task: &Task<'_>, rods: &[f64; 3]) -> Option<Self> {
-        Some(Solved::new::<M>(task, rods)?.pose::<M>(task.geometry))
-    }
-
-    /// The pose for given rods; see [`SingleJoints::by_polynomials`].
-    #[inline(always)]
-    pub(crate) fn by_polynomials<W: Simd, M: Model>(
-        wide: W,
-        task: &Task<'_>,
-        rods: &[f64; 3],
-    ) -> Option<Self> {
-        Some(Solved::by_polynomials::<W, M>(wide, task, rods)?.pose::<M>(task.geometry))
-    }
 }

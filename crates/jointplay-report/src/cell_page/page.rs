@@ -87,15 +87,17 @@ impl CellPage<'_> {
     /// Title, result and key figures.
     fn head(&self) -> Markup {
         let report = self.program.report;
-        let has_passed = report.violations.is_empty();
+        let has_passed = report.result == "passed";
         html! {
             header {
                 h1 { (report.cell) }
                 p.muted { (report.robot) ", program " (self.program.name) }
                 div.result.passed[has_passed] {
                     @if has_passed { "Check passed" }
+                    @else if report.result == "no_motion" { "No motion: all axes stay at home" }
                     @else { (counted(report.violations.len(), "violation")) ": not safe to run" }
                 }
+                @for fact in self.facts(&["not checked"]) { p.unchecked { "Not checked: " (fact.text) "." } }
                 div.figures {
                     @for figure in key_figures(report) {
                         div { span { (figure.name) } b { (figure.number()) } @if figure.value.is_some() && !figure.unit.is_empty() { " " small { (figure.unit) } } }

@@ -58,6 +58,13 @@ fn a_report_is_a_page_without_other_files() {
     assert!(!page.contains("<script") && !page.contains("src=\"http"));
 }
 
+/// Before, the report stated that the check had passed.
+#[test]
+fn a_report_on_a_program_that_only_waits_has_not_passed() {
+    let page = text(&exported(&json!({ "program": "WAIT 2 s\n", "format": "report" })));
+    assert!(page.contains("No motion: all axes stay at home") && !page.contains("Check passed"));
+}
+
 #[test]
 fn a_motion_with_violations_is_exported_only_on_request_and_with_a_warning() {
     let request = json!({ "cell": blocked(), "program": SHORT, "format": "csv" });
