@@ -78,11 +78,13 @@ fn parts_without_bodies_are_listed_as_not_checked_for_collisions() {
     };
     assert_eq!(not_checked(), json!(["arm “arm”", "surroundings of the robot"]));
     let text = sandbox.run("cell check cell.toml").stdout;
-    let line = "not checked          collisions of arm “arm”, surroundings of the robot: the cell has no bodies for them";
+    let line = "not checked          collisions of arm “arm”, surroundings of the robot: without bodies in the cell file";
     assert!(text.contains(line), "{text}");
+    assert!(text.contains("result               no violations in what was checked"), "{text}");
     assert_eq!(sandbox.run("cell report cell.toml").code, 0);
     let page = sandbox.read("cell-report.html");
     assert!(page.contains("Not checked: collisions of arm “arm”, surroundings of the robot: "));
+    assert!(page.contains("No violations in what was checked") && !page.contains("Check passed"));
     sandbox.write("cell.toml", &format!("{CELL}{}", body("wall", "")));
     assert_eq!(not_checked(), json!(["arm “arm”"]));
     let on_link = body("hub", r#"{ arm = "arm", link = 1 }"#).replace("-900.0", "0.0");

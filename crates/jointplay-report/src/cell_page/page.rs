@@ -87,13 +87,15 @@ impl CellPage<'_> {
     /// Title, result and key figures.
     fn head(&self) -> Markup {
         let report = self.program.report;
-        let has_passed = report.result == "passed";
+        let is_in_part = report.result == "passed" && !report.not_checked.is_empty();
+        let has_passed = report.result == "passed" && !is_in_part;
         html! {
             header {
                 h1 { (report.cell) }
                 p.muted { (report.robot) ", program " (self.program.name) }
                 div.result.passed[has_passed] {
                     @if has_passed { "Check passed" }
+                    @else if is_in_part { "No violations in what was checked" }
                     @else if report.result == "no_motion" { "No motion: all axes stay at home" }
                     @else { (counted(report.violations.len(), "violation")) ": not safe to run" }
                 }

@@ -33,6 +33,7 @@ pub fn cell_facts(report: &CellReport, program: &str) -> Vec<Fact> {
     let platform = format!("{} virtualization, {}{metric}", report.virtualization, report.solver);
     let result = match report.violations.len() {
         0 if report.result == "no_motion" => "no motion".to_owned(),
+        0 if !report.not_checked.is_empty() => "no violations in what was checked".to_owned(),
         0 => "passed".to_owned(),
         count => format!("{}, not safe to run", counted(count, "violation")),
     };
@@ -46,7 +47,7 @@ pub fn cell_facts(report: &CellReport, program: &str) -> Vec<Fact> {
         let parts = report.not_checked.join(", ");
         facts.push(fact(
             "not checked",
-            format!("collisions of {parts}: the cell has no bodies for them"),
+            format!("collisions of {parts}: without bodies in the cell file"),
         ));
     }
     facts.push(fact("program", size));
