@@ -24,7 +24,7 @@ beforeEach(async () => {
 });
 afterEach(async () => {
   // The browser itself notes requests without an answer.
-  expect(heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED'))).toEqual([]);
+  expect(unhandled(heard).filter((line) => !line.includes('ERR_CONNECTION_REFUSED'))).toEqual([]);
   await page.context().close();
 });
 
