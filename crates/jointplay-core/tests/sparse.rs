@@ -13,6 +13,7 @@ use jointplay_core::mechanism::{
 };
 use jointplay_core::mobility::{RANK_THRESHOLD, finite_mobility};
 use jointplay_core::nalgebra::{DVector, Vector3};
+use proptest::prelude::*;
 
 fn mobility(mechanism: &Mechanism) -> SparseMobility {
     let mut system = SparseSystem::new(mechanism, guess(mechanism)).unwrap();
@@ -155,6 +156,32 @@ fn a_tall_lift_folds() {
             #[expect(clippy::cast_precision_loss, reason = "a count of stages")]
             let allowed = 1e-13 * ((stage + 1) * (stage + 1)) as f64;
             assert!(off.norm() < allowed, "stage {stage}: {off:?}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    /// Starts in which every pin is turned at random, so that far links are metres away and some stages are nearly stretched.
+    #[test]
+    fn many_loops_close_from_far_away(
+        stages in 5_usize..60,
+        is_lift in any::<bool>(),
+        turns in prop::collection::vec(-0.6..0.6_f64, 240),
+    ) {
+        let mechanism = if is_lift { scissor_lift(stages) } else { bennett_row(stages) };
+        let start = guess(&mechanism);
+        let start = DVector::from_fn(start.len(), |k, _| start[k] + turns[k]);
+        let mut system = SparseSystem::new(&mechanism, start).unwrap();
+        let iterations = system.close(&[], 200);
+        prop_assert!(iterations.is_ok(), "{iterations:?}");
+        let poses = system.link_poses();
+        for joint in mechanism.joints() {
+            let [first, second] = [0, 1].map(|side| poses[joint.links[side]] * joint.frames[side]);
+            let apart = first.translation.vector - second.translation.vector;
+            let axes = first.rotation * Vector3::z() - second.rotation * Vector3::z();
+            prop_assert!(apart.norm() < 1e-10 && axes.norm() < 1e-10, "{}", joint.name);
         }
     }
 }

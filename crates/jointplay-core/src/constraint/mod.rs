@@ -6,7 +6,7 @@ mod scaling;
 mod system;
 
 pub use crate::tolerance::{ACCEPTED_RESIDUAL, CLOSURE_TOLERANCE};
-pub(crate) use newton::{Gain, NewtonLimits, backtrack, newton_at_rank};
+pub(crate) use newton::{NewtonLimits, backtrack, newton_at_rank};
 pub(crate) use scaled_system::ScaledSystem;
 pub use scaling::Dimension;
 pub(crate) use scaling::{scaled_jacobian, scaled_residual, units};

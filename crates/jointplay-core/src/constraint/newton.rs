@@ -61,8 +61,6 @@ pub(crate) fn newton_at_rank<S: System + ?Sized>(
 
 /// A step that lowers a residual.
 pub(crate) struct Gain<T> {
-    /// Share of the full step.
-    pub(crate) share: f64,
     /// State after the step.
     pub(crate) there: T,
     /// The residual there.
@@ -83,7 +81,7 @@ pub(crate) fn backtrack<T>(
     for _ in 0..attempts {
         let (there, residual) = step(share);
         if residual < before {
-            return Some(Gain { share, there, residual });
+            return Some(Gain { there, residual });
         }
         share *= 0.5;
     }

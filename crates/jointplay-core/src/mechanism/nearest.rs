@@ -13,6 +13,7 @@ use super::joint::Factor;
 use super::kinematics::Kinematics;
 use super::limits::{ROUND_OFF, range_scale, within_limits};
 use super::second_order_closing::{close_at_second_order, near_miss_at};
+use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
 use crate::Error;
 use crate::constraint::{Dimension, System, scaled_jacobian, units};
@@ -145,7 +146,11 @@ impl<'a> Search<'a> {
                 by[k] = share * range * random.next();
             }
             let from = self.system.kinematics().moved(self.system.home(), &by);
-            let Some(closed) = self.closed_from(from)? else { continue };
+            let closed = match self.closed_from(from.clone())? {
+                None => self.closed_by_links(from)?,
+                closed => closed,
+            };
+            let Some(closed) = closed else { continue };
             let closed = self.approached(closed)?;
             let is_known = |one: &Closure| {
                 let by = self.displacement(&one.coordinates, &closed.coordinates);
@@ -182,6 +187,19 @@ impl<'a> Search<'a> {
             }
             Attempt { closure: None, .. } => self.closed_at_second_order(from),
             Attempt { closure, .. } => Ok(closure),
+        }
+    }
+
+    /// Closes the loops by moving each link, which closes many loops from farther away than moving joints does, since far links do not move with near joints.
+    fn closed_by_links(&self, mut from: DVector<f64>) -> Result<Option<Closure>, Error> {
+        clamp(&mut from, &self.free, &self.limits);
+        let mechanism = self.system.kinematics().mechanism();
+        let held: Vec<usize> = (0..from.len()).filter(|k| !self.free.contains(k)).collect();
+        let mut system = SparseSystem::new(mechanism, from)?;
+        match system.close(&held, MAX_ITERATIONS) {
+            Ok(_) => self.closed_from(system.coordinates().clone()),
+            Err(Error::NotReached { .. }) => Ok(None),
+            Err(error) => Err(error),
         }
     }
 

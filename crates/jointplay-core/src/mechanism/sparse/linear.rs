@@ -117,6 +117,26 @@ fn allowed_motions(
     }
 }
 
+/// What joints allow, and how much they resist it.
+///
+/// ```text
+///    min over q̇   | V − S q̇ |² + r² / (1 − r²) | S q̇ |²   =   | M V |²        M = 1 − (1 − r) Σ u uᵀ,  S q̇ = (1 − r²) Σ u uᵀ V
+/// ```
+#[derive(Debug)]
+struct Motions {
+    /// Of all joints, those of each one after the other.
+    all: Vec<AllowedMotion>,
+    /// r: 0 for joints that move freely, towards 1 for joints that hardly move; with it, steps near singular configurations are short.
+    resistance: f64,
+}
+
+impl Motions {
+    /// 1 − r²: of a relative twist along an allowed direction, the share that the joint follows.
+    fn share(&self) -> f64 {
+        1.0 - self.resistance * self.resistance
+    }
+}
+
 /// One joint linearized at a point of its own; lengths over the length of the system.
 #[derive(Debug, Clone)]
 pub(super) struct JointRow {
@@ -129,18 +149,19 @@ pub(super) struct JointRow {
 
 impl JointRow {
     /// The motions that the joint allows.
-    fn allowed<'m>(&self, motions: &'m [AllowedMotion]) -> &'m [AllowedMotion] {
-        &motions[self.allowed[0]..self.allowed[1]]
+    fn allowed<'m>(&self, motions: &'m Motions) -> &'m [AllowedMotion] {
+        &motions.all[self.allowed[0]..self.allowed[1]]
     }
 
-    /// The part of a twist, or of a wrench, that the joint does not allow.
-    fn refused(&self, motions: &[AllowedMotion], of: &Vector6<f64>) -> Vector6<f64> {
+    /// The part of a twist, or of a wrench, that the joint does not allow, and of what it resists.
+    fn refused(&self, motions: &Motions, of: &Vector6<f64>) -> Vector6<f64> {
         let allowed = self.allowed(motions);
         if allowed.len() == MOST {
             // A joint with six freedoms has no constraint, only round-off.
             return Vector6::zeros();
         }
-        allowed.iter().fold(*of, |rest, motion| rest - motion.unit * motion.unit.dot(of))
+        let share = 1.0 - motions.resistance;
+        allowed.iter().fold(*of, |rest, motion| rest - motion.unit * (share * motion.unit.dot(of)))
     }
 
     /// Twist of the first link beyond that of the second, at the joint's point.
@@ -170,11 +191,11 @@ impl JointRow {
     /// Adds what the joint refuses to the normal equations.
     ///
     /// ```text
-    ///    ( T_aᵀ M T_b )  =  T_aᵀ T_b  −  Σ (T_aᵀ u)(T_bᵀ u)ᵀ        M = 1 − Σ u uᵀ,  T: twist at the joint's point of a link's own
+    ///    ( T_aᵀ M² T_b )  =  T_aᵀ T_b  −  (1 − r²) Σ (T_aᵀ u)(T_bᵀ u)ᵀ        T: twist at the joint's point of a link's own
     /// ```
     fn add_to(
         &self,
-        motions: &[AllowedMotion],
+        motions: &Motions,
         matrix: &mut BlockMatrix,
         pattern: &Pattern,
         between: Option<Place>,
@@ -183,11 +204,12 @@ impl JointRow {
         if allowed.len() == MOST {
             return;
         }
+        let share = motions.share();
         let block = |a: usize, b: usize| {
             let mut block = transported(&self.arms[a], &self.arms[b]);
             for motion in allowed {
                 let [of_a, of_b] = [a, b].map(|side| self.at_middle(side, &motion.unit));
-                for (column, factor) in block.iter_mut().zip(of_b.iter()) {
+                for (column, factor) in block.iter_mut().zip((of_b * share).iter()) {
                     for (entry, value) in column.iter_mut().zip(of_a.iter()) {
                         *entry -= value * factor;
                     }
@@ -212,13 +234,17 @@ impl JointRow {
 #[derive(Debug)]
 pub(super) struct JointRows {
     joints: Vec<JointRow>,
-    motions: Vec<AllowedMotion>,
+    motions: Motions,
 }
 
 impl JointRows {
     /// Room for a number of joints and coordinates.
-    pub(super) fn with_capacity(joints: usize, coordinates: usize) -> Self {
-        Self { joints: Vec::with_capacity(joints), motions: Vec::with_capacity(coordinates) }
+    ///
+    /// # Arguments
+    /// * `resistance` – see [`Motions`]
+    pub(super) fn with_capacity(joints: usize, coordinates: usize, resistance: f64) -> Self {
+        let all = Vec::with_capacity(coordinates);
+        Self { joints: Vec::with_capacity(joints), motions: Motions { all, resistance } }
     }
 
     /// Adds the next joint.
@@ -232,9 +258,9 @@ impl JointRows {
         arms: [Vector3<f64>; 2],
         follows: impl Iterator<Item = (usize, Vector6<f64>)>,
     ) {
-        let first = self.motions.len();
-        allowed_motions(follows, &mut self.motions);
-        self.joints.push(JointRow { links, arms, allowed: [first, self.motions.len()] });
+        let first = self.motions.all.len();
+        allowed_motions(follows, &mut self.motions.all);
+        self.joints.push(JointRow { links, arms, allowed: [first, self.motions.all.len()] });
     }
 }
 
@@ -247,7 +273,8 @@ impl JointRows {
     ) -> Option<[(usize, Vector6<f64>); 2]> {
         let row = &self.joints[joint];
         let motion = row.allowed(&self.motions).iter().find(|one| one.coordinate == coordinate)?;
-        let by = |side: usize| (row.links[side], row.at_middle(side, &motion.rate));
+        let rate = motion.rate * self.motions.share();
+        let by = |side: usize| (row.links[side], row.at_middle(side, &rate));
         let [(first, by_first), second] = [0, 1].map(by);
         Some([(first, -by_first), second])
     }
@@ -293,7 +320,7 @@ fn transported(a: &Vector3<f64>, b: &Vector3<f64>) -> Block {
 pub(super) struct Linear {
     pub(super) joints: Vec<JointRow>,
     pub(super) couplings: Vec<LinearCoupling>,
-    motions: Vec<AllowedMotion>,
+    motions: Motions,
     /// Twist of each coordinate in the base frame, the linear part at the point of its joint (m).
     pub(super) screws: Vec<Twist>,
     pattern: Arc<Pattern>,
@@ -346,7 +373,7 @@ impl Linear {
 
     /// Number of independent motions that all joints allow.
     pub(super) fn allowed(&self) -> usize {
-        self.motions.len()
+        self.motions.all.len()
     }
 
     /// (6·(links − 1)) number of unknowns.
@@ -452,11 +479,12 @@ impl Linear {
         coordinates: usize,
     ) -> DVector<f64> {
         let mut rates = DVector::zeros(coordinates);
+        let share = self.motions.share();
         for (j, joint) in self.joints.iter().enumerate() {
             // S q̇ = V_second − V_first − beyond.
             let asked = -(joint.relative(x) + beyond.fixed_rows::<6>(6 * j));
             for motion in joint.allowed(&self.motions) {
-                rates[motion.coordinate] = motion.rate.dot(&asked);
+                rates[motion.coordinate] = share * motion.rate.dot(&asked);
             }
         }
         rates

@@ -275,7 +275,7 @@ impl SparseSystem<'_> {
     /// Mobility of a mechanism as a whole.
     fn block_mobility(&self, relative_threshold: f64) -> Result<SparseMobility, Error> {
         let held = self.held([]);
-        let linear = self.linear(&held)?;
+        let linear = self.linear(&held, 0.0)?;
         let spectrum = linear.smallest(relative_threshold, 4)?;
         let mechanism = self.kinematics.mechanism();
         let freedoms = mechanism.joint_freedoms();

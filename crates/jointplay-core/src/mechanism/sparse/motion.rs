@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::linear::Linear;
 use super::system::SparseSystem;
 use crate::Error;
-use crate::constraint::{CLOSURE_TOLERANCE, Dimension, Gain, backtrack};
+use crate::constraint::{CLOSURE_TOLERANCE, Dimension};
 use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
 use crate::mechanism::{Drive, DrivePath, DrivenMotion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
@@ -14,8 +14,15 @@ use crate::mobility::RANK_THRESHOLD;
 const CLOSED: f64 = 0.01 * CLOSURE_TOLERANCE;
 /// Changes of a step below this share of it end the iteration: Newton's method corrects the rest.
 const SETTLED: f64 = 1e-6;
-/// Halvings of a correction that gains nothing.
-const MAX_HALVINGS: usize = 10;
+/// Corrections that are cut to less than this share, and those that gain nothing, are repeated with joints that resist.
+const LEAST_SHARE: f64 = 0.1;
+/// The least resistance of joints, for each unit of the gap, and the largest: a correction that gains nothing then has none to gain.
+const FIRST_RESISTANCE: f64 = 0.01;
+const MOST_RESISTANCE: f64 = 1e4;
+/// Factor by which the resistance grows and declines.
+const CHANGE: f64 = 3.0;
+/// Resistance of joints that hardly move at all.
+const RIGID: f64 = 0.999;
 /// The longest step of a coordinate, in radians and characteristic lengths: more than the distance for which motions are followed, which can be one step.
 const LONGEST_STEP: f64 = 0.31;
 /// The shortest step, as a share of the whole path: drives that cannot move so far are locked.
@@ -23,6 +30,8 @@ const SHORTEST_STEP: f64 = 1e-5;
 
 impl SparseSystem<'_> {
     /// Corrects links and coordinates until all joints are closed, by Gauss–Newton steps of least norm; returns how many.
+    ///
+    /// Near singular configurations, where such steps are too long, joints resist: steps of Levenberg and Marquardt.
     ///
     /// # Arguments
     /// * `held` – indices of the coordinates that keep their values; virtual joints always do
@@ -36,42 +45,46 @@ impl SparseSystem<'_> {
 
     /// Closes all joints; returns the steps done and the largest displacement of a coordinate.
     fn correct(&mut self, held: &[bool], max_iterations: usize) -> Result<(usize, f64), Error> {
-        let mut residual = self.residual();
+        let mut gap = self.gap();
         let (mut iterations, mut moved) = (0, DVector::zeros(self.coordinates.len()));
         let (mut linear, mut before) = (None, f64::INFINITY);
-        while residual > CLOSED && iterations < max_iterations {
+        // Of the joints, for each unit of the norm of the gap.
+        let mut resistance = 0.0;
+        while gap.largest > CLOSED && iterations < max_iterations && resistance < MOST_RESISTANCE {
             // Newton's steps square the residual; by the last factor the next one still takes a share as large as the last step left.
-            if 2.0 * residual * residual / before > CLOSED {
+            if 2.0 * gap.largest * gap.largest / before > CLOSED {
                 linear = None;
             }
             let (factored, is_last) = match linear.take() {
                 Some(last) => (last, true),
-                None => (self.linear(held)?, false),
+                None => (self.linear(held, (resistance * gap.norm).min(RIGID))?, false),
             };
             iterations += 1;
             let (x, by) = self.least_step(&factored, None);
-            let longest = (LONGEST_STEP / self.largest(&by)).min(1.0);
-            let gain = backtrack(MAX_HALVINGS, residual, |share| {
-                let mut there = self.clone();
-                let share = longest * share;
-                let reached = there.displace((&x * share).as_slice(), &(&by * share));
-                (there, reached)
-            });
-            let Some(Gain { share, there, residual: reached }) = gain else {
-                if is_last {
-                    // The last factor leads nowhere; that of this configuration may.
-                    continue;
+            let share = (LONGEST_STEP / self.largest(&by)).min(1.0);
+            let mut there = self.clone();
+            let reached = there.displace((&x * share).as_slice(), &(&by * share));
+            if reached.norm < gap.norm && share >= LEAST_SHARE {
+                moved += &by * share;
+                let stalled =
+                    gap.largest <= CLOSURE_TOLERANCE && reached.largest > 0.5 * gap.largest;
+                (*self, before, gap) = (there, gap.largest, reached);
+                if stalled {
+                    break;
                 }
+                linear = (resistance == 0.0).then_some(factored);
+                resistance /= CHANGE;
+                if resistance < FIRST_RESISTANCE {
+                    resistance = 0.0;
+                }
+            } else if gap.largest <= CLOSURE_TOLERANCE {
+                // Only round-off is left.
                 break;
-            };
-            moved += &by * (longest * share);
-            let stalled = residual <= CLOSURE_TOLERANCE && reached > 0.5 * residual;
-            (*self, before, residual) = (there, residual, reached);
-            if stalled {
-                break;
+            } else if !is_last {
+                resistance = (CHANGE * resistance).max(FIRST_RESISTANCE);
             }
-            linear = Some(factored);
         }
+        let residual = gap.largest;
         if residual <= CLOSURE_TOLERANCE {
             Ok((iterations, self.largest(&moved)))
         } else {
@@ -138,7 +151,7 @@ impl SparseSystem<'_> {
             let share = if done + *step > 1.0 - 0.01 * shortest { 1.0 - done } else { *step };
             let linear = match here.take() {
                 Some(linear) => linear,
-                None => self.linear(held)?,
+                None => self.linear(held, 0.0)?,
             };
             let (x, by) = self.least_step(&linear, Some(&(path * share)));
             let size = self.largest(&by);
@@ -250,7 +263,7 @@ impl SparseSystem<'_> {
         held: &[bool],
         regular: Option<usize>,
     ) -> Result<(Waypoint, Linear), Error> {
-        let linear = self.linear(held)?;
+        let linear = self.linear(held, 0.0)?;
         let spectrum = linear.smallest(RANK_THRESHOLD, regular.map_or(2, |h| h + 1))?;
         let free = spectrum.zeros;
         let least =

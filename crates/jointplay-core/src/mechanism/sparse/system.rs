@@ -14,6 +14,23 @@ use crate::mechanism::kinematics::{Kinematics, cayley, check_coordinates, skew_p
 use crate::mechanism::tree::{Branch, link_poses, short_loop_tree};
 use crate::spatial::Pose;
 
+/// How far joints and couplings are from closed, in radians and characteristic lengths.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gap {
+    /// Largest mismatch.
+    pub(super) largest: f64,
+    /// Norm of all mismatches.
+    pub(super) norm: f64,
+}
+
+impl Gap {
+    fn include(&mut self, size: f64) {
+        if size > self.largest || size.is_nan() {
+            self.largest = size;
+        }
+    }
+}
+
 /// A mechanism in a configuration, ready for sparse algebra; cost and memory grow about as its joints do.
 ///
 /// Virtual joints stay where they are.
@@ -101,29 +118,34 @@ impl<'a> SparseSystem<'a> {
     /// Largest mismatch of a joint or coupling, in radians and characteristic lengths.
     #[must_use]
     pub fn residual(&self) -> f64 {
-        self.residual_of(&self.poses)
+        self.gap().largest
     }
 
-    /// Largest mismatch of a joint for other poses of the links.
-    fn residual_of(&self, poses: &[Pose]) -> f64 {
-        let mut largest = 0.0_f64;
+    /// How far joints and couplings are from closed.
+    pub(super) fn gap(&self) -> Gap {
+        self.gap_of(&self.poses)
+    }
+
+    /// How far joints and couplings are from closed for other poses of the links.
+    fn gap_of(&self, poses: &[Pose]) -> Gap {
+        let mut gap = Gap { largest: 0.0, norm: 0.0 };
+        let mut squares = 0.0;
         let joints = self.kinematics.mechanism().joints();
         for (joint, displacement) in joints.iter().zip(&self.displacements) {
             let [first, second] = joint.links.map(|link| &poses[link]);
             let (led, _, apart) = joined(first, second, displacement, &joint.frames[0]);
             let turned = (led.rotation.matrix() - second.rotation.matrix()).norm();
-            let size = (turned / std::f64::consts::SQRT_2).max(apart.norm() / self.length);
-            if size > largest || size.is_nan() {
-                largest = size;
-            }
+            let (turned, apart) = (turned / std::f64::consts::SQRT_2, apart.norm() / self.length);
+            gap.include(turned.max(apart));
+            squares += turned * turned + apart * apart;
         }
         for coupling in self.couplings.iter() {
             let size = coupling.residual(&self.coordinates).abs();
-            if size > largest || size.is_nan() {
-                largest = size;
-            }
+            gap.include(size);
+            squares += size * size;
         }
-        largest
+        gap.norm = f64::sqrt(squares);
+        gap
     }
 
     /// The configuration, and how well its joints are closed.
@@ -138,7 +160,10 @@ impl<'a> SparseSystem<'a> {
     }
 
     /// The closures of all joints, and the couplings, linearized in the twists of the links; coordinates for which `held` is true do not follow.
-    pub(super) fn linear(&self, held: &[bool]) -> Result<Linear, Error> {
+    ///
+    /// # Arguments
+    /// * `resistance` – of the joints, from 0, for joints that move freely, to 1
+    pub(super) fn linear(&self, held: &[bool], resistance: f64) -> Result<Linear, Error> {
         let mechanism = self.kinematics.mechanism();
         let centers: Vec<Vector3<f64>> = self
             .middles
@@ -148,7 +173,7 @@ impl<'a> SparseSystem<'a> {
             .collect();
         let mut screws = self.screws.clone();
         let joints = mechanism.joints();
-        let mut rows = JointRows::with_capacity(joints.len(), screws.len());
+        let mut rows = JointRows::with_capacity(joints.len(), screws.len(), resistance);
         for (j, joint) in joints.iter().enumerate() {
             let first = &self.poses[joint.links[0]];
             let point =
@@ -192,10 +217,10 @@ impl<'a> SparseSystem<'a> {
         Vector6::new(angular.x, angular.y, angular.z, linear.x, linear.y, linear.z)
     }
 
-    /// Displaces links by small twists about their middles, and coordinates by small steps; returns the residual.
+    /// Displaces links by small twists about their middles, and coordinates by small steps; returns how far joints are from closed then.
     ///
     /// Far links of a long chain sweep arcs that a twist is too straight for; where the joints of a spanning tree with short loops put them with the new coordinates is tried too.
-    pub(super) fn displace(&mut self, x: &[f64], by: &DVector<f64>) -> f64 {
+    pub(super) fn displace(&mut self, x: &[f64], by: &DVector<f64>) -> Gap {
         for (link, pose) in self.poses.iter_mut().enumerate().skip(1) {
             let x = &x[6 * (link - 1)..6 * link];
             let center = pose.rotation * self.middles[link] + pose.translation.vector;
@@ -207,13 +232,13 @@ impl<'a> SparseSystem<'a> {
         }
         self.coordinates = self.kinematics.moved(&self.coordinates, by);
         (self.displacements, self.screws) = joints_at(&self.kinematics, &self.coordinates);
-        let by_twists = self.residual();
+        let by_twists = self.gap();
         let mechanism = self.kinematics.mechanism();
         let by_tree = tree_poses(mechanism, &self.tree, &self.displacements);
-        let residual = self.residual_of(&by_tree);
-        if residual < by_twists {
+        let gap = self.gap_of(&by_tree);
+        if gap.norm < by_twists.norm {
             self.poses = by_tree;
-            return residual;
+            return gap;
         }
         by_twists
     }
