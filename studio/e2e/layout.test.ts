@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import { readFileSync } from 'node:fs';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { ROOT, browse, complaints, drawn, load, serve, until, visit, type Server } from './studio';
+import { ROOT, browse, complaints, drawn, frames, load, serve, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -24,14 +24,14 @@ afterAll(async () => {
   rmSync(folder, { recursive: true });
 });
 
-async function at(width: number, height: number, part: 'robot' | 'cell', does: (page: Page) => Promise<void>): Promise<void> {
+async function at(width: number, height: number, part: 'robot' | 'cell' | 'mechanism', does: (page: Page) => Promise<void>): Promise<void> {
   const page = await visit(browser, { viewport: { width, height } });
   const heard = complaints(page);
   try {
     await page.addInitScript((shown) => localStorage.setItem('jointplay.studio.part', JSON.stringify(shown)), part);
     await load(page, server.address);
     if (part === 'robot') await drawn(page);
-    else await until('the result is there', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
+    else if (part === 'cell') await until('the result is there', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
     await does(page);
     expect(heard).toEqual([]);
   } finally {
@@ -87,6 +87,72 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
       expect(await cut(page)).toEqual([]);
     }));
 }
+
+for (const [width, height] of [[320, 568], [390, 844], [500, 900], [720, 450], [1024, 700]] as const)
+  test(`nothing covers the platform of the robot in a window of ${width} × ${height}`, () =>
+    at(width, height, 'robot', async (page) => {
+      for (const view of ['first', 'Fit', 'Robot', 'Platform', 'Plan']) {
+        if (view !== 'first') await page.getByRole('button', { name: view, exact: true }).last().click();
+        await frames(page);
+        const covered = await page.evaluate(() =>
+          window.jointplay.probe.platform!().flatMap(({ x, y }) => {
+            const over = document.elementFromPoint(x, y);
+            return over?.matches('.scene canvas') ? [] : [`${x}, ${y}: ${over?.outerHTML.slice(0, 80)}`];
+          }),
+        );
+        expect(covered, view).toEqual([]);
+      }
+    }));
+
+test('the steps of the tour stay in view in a narrow window', () =>
+  at(390, 844, 'robot', async (page) => {
+    await page.getByRole('button', { name: 'About this view' }).click();
+    const steps = page.getByTestId('tour-next').or(page.getByTestId('tour-end'));
+    for (const outlined of ['section-pose', 'section-virtualization', null]) {
+      await steps.click();
+      await frames(page);
+      const { x, y, width, height } = (await steps.boundingBox())!;
+      expect(y + height).toBeLessThanOrEqual(844);
+      expect(await steps.evaluate((button, [x, y]) => button.contains(document.elementFromPoint(x!, y!)), [x + width / 2, y + height / 2])).toBe(true);
+      if (outlined) expect((await page.locator(`#${outlined}`).boundingBox())!.y).toBeLessThan(700);
+    }
+    await steps.click();
+    expect(await steps.count()).toBe(0);
+  }));
+
+test('a file that is dropped on the robot view is opened, and does not replace the page', () =>
+  at(1280, 720, 'robot', async (page) => {
+    const drop = (name: string, bytes: number[]) =>
+      page.evaluate(
+        ([name, bytes]) => {
+          const dataTransfer = new DataTransfer();
+          dataTransfer.items.add(new File([Uint8Array.from(bytes)], name));
+          const event = (type: string) => new DragEvent(type, { bubbles: true, cancelable: true, dataTransfer });
+          const scene = document.querySelector('.scene')!;
+          return [scene.dispatchEvent(event('dragover')), scene.dispatchEvent(event('drop'))];
+        },
+        [name, bytes] as const,
+      );
+    // An event whose default is not prevented makes the browser open the file.
+    expect(await drop('picture.png', [0x89, 0x50, 0x4e, 0x47, 0xff])).toEqual([false, false]);
+    await page.getByTestId('open-problem').filter({ hasText: 'picture.png is not a text file in UTF-8.' }).waitFor();
+    const mechanism = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/four-bar.toml'));
+    expect(await drop('mine.toml', [...mechanism])).toEqual([false, false]);
+    await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
+    expect(await page.locator('dialog[open]').count()).toBe(0);
+  }));
+
+test('without a mechanism, one note replaces the panels, and the catalogue is one click away', () =>
+  at(390, 844, 'mechanism', async (page) => {
+    expect(await page.getByTestId('dock-note').count()).toBe(1);
+    expect(await page.locator('[data-dock] section').count()).toBe(0);
+    await page.getByTestId('show-catalogue').click();
+    const entry = page.getByTestId('entry-four-bar');
+    await entry.click();
+    await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
+    await until('the mechanism is in view', async () => ((await page.locator('.scene').boundingBox())!.y) > 0);
+    expect(await page.locator('[data-dock] section').count()).toBeGreaterThan(5);
+  }));
 
 test('a loading note is visible before the scripts have loaded', async () => {
   expect(await (await fetch(server.address)).text()).toContain('Loading the studio');
