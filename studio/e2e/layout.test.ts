@@ -104,6 +104,16 @@ for (const [width, height] of [[320, 568], [390, 844], [500, 900], [720, 450], [
       }
     }));
 
+test('the play scale can be moved next to the robot editor', () =>
+  at(1024, 700, 'robot', async (page) => {
+    await page.getByTestId('edit-robot').click();
+    await page.getByTestId('robot-fields').waitFor();
+    expect((await page.getByTestId('exaggeration').boundingBox())!.width).toBeGreaterThanOrEqual(60);
+    const scene = (await page.locator('.scene').boundingBox())!;
+    const scale = (await page.getByTestId('play-scale').boundingBox())!;
+    expect(scale.x + scale.width).toBeLessThanOrEqual(scene.x + scene.width);
+  }));
+
 test('the steps of the tour stay in view in a narrow window', () =>
   at(390, 844, 'robot', async (page) => {
     await page.getByRole('button', { name: 'About this view' }).click();
