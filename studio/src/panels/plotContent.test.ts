@@ -6,7 +6,7 @@ test('plots of the robot view follow the length unit', () => {
   const defined = [{ id: 'own', x: 'q1_m', y: ['tilt_rad'], unit: '°' as const }, { id: 'small', x: null, y: ['q1_m'], unit: 'µm' as const }];
   const [rods, against, small] = plotContents({ selected: 'polar', own, compared: [] }, defined, 'light', 'inch');
   expect(rods!.unit).toBe('in');
-  expect([...rods!.lines[0]!.values].map((value) => value * rods!.lines[0]!.factor)).toEqual([expect.closeTo(10, 9), expect.closeTo(20, 9)]);
+  expect(Array.from(rods!.lines[0]!.values, (value) => value * rods!.lines[0]!.factor)).toEqual([expect.closeTo(10, 9), expect.closeTo(20, 9)]);
   expect([against!.unit, against!.x!.unit]).toEqual(['°', 'in']);
   expect(0.254 * against!.x!.factor).toBeCloseTo(10, 9);
   expect(small!.unit).toBe('mil');
