@@ -154,6 +154,7 @@ test('a file that is dropped on the robot view is opened, and does not replace t
 
 test('without a mechanism, one note replaces the panels, and the catalogue is one click away', () =>
   at(390, 844, 'mechanism', async (page) => {
+    await page.getByTestId('dock-note').waitFor();
     expect(await page.getByTestId('dock-note').count()).toBe(1);
     expect(await page.locator('[data-dock] section').count()).toBe(0);
     await page.getByTestId('show-catalogue').click();
