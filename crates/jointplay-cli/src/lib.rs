@@ -11,6 +11,7 @@
 //! | `commands/` | one file per command |
 //! | `failure.rs` | errors, and the exit code |
 //! | `output.rs` | text and JSON to standard output |
+//! | `play_units.rs` | units of lengths and displacements in text |
 //! | `console.rs` | colours and notes |
 //! | `folder.rs` | result files, written completely or not at all |
 //! | `file_lock.rs` | files that one run at a time may write |
@@ -29,6 +30,7 @@ mod folder;
 mod mechanism_input;
 mod model_input;
 mod output;
+mod play_units;
 mod print_error;
 mod print_page;
 mod progress;

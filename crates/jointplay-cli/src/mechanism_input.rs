@@ -378,7 +378,8 @@ impl Input {
             let listed: Vec<String> = values
                 .enumerate()
                 .map(|(k, (name, value))| {
-                    format!("{name} = {}", fixed(value, self.coordinates.decimals(k)))
+                    let number = fixed(value, self.coordinates.decimals(k));
+                    format!("{name} = {number} {}", self.coordinates.unit(k))
                 })
                 .collect();
             text.push_str(&format!("\n  {}: {}", i + 1, listed.join(", ")));

@@ -64,6 +64,7 @@ impl Source {
     pub(crate) fn require(&self, kinds: &[Kind], needed: &str) -> Result<(), Failure> {
         match self.kind().filter(|kind| !kinds.contains(kind)) {
             None => Ok(()),
+            Some(kind @ (Kind::Picture | Kind::Fmu)) => Err(unread(kind, &self.label)),
             Some(kind) => {
                 let (label, noun, used) = (&self.label, kind.noun(), used_by(kind, &self.label));
                 let hint = if kind == Kind::Mechanism && kinds.contains(&Kind::ThreeRods) {
@@ -79,6 +80,12 @@ impl Source {
             }
         }
     }
+}
+
+/// The failure for a file of a kind that no command reads.
+fn unread(kind: Kind, label: &str) -> Failure {
+    let noun = kind.noun();
+    Failure::Usage(format!("{label} is {noun}, which no command reads\n  {}", used_by(kind, label)))
 }
 
 /// The commands that accept a file of a kind.
@@ -100,8 +107,16 @@ fn used_by(kind: Kind, label: &str) -> String {
                 "commands for it: jointplay cell check {label}, jointplay studio --cell {label}"
             )
         }
+        Kind::Part => format!(
+            "a work cell includes it by a table [[part]] with part = \"{label}\""
+        ),
+        Kind::Program => format!(
+            "commands for it: jointplay cell check CELL {label}, jointplay cell format {label}"
+        ),
         Kind::Study => format!("the command for it: jointplay study {label}"),
         Kind::Loops => format!("the command for it: jointplay import MODEL --loops {label}"),
+        Kind::Picture => "a picture is written from the file of a mechanism by `jointplay draw FILE`".to_owned(),
+        Kind::Fmu => "simulators read it; it is written from the file of a mechanism by `jointplay export FILE --to fmu`".to_owned(),
     }
 }
 
@@ -142,6 +157,10 @@ pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
         }
         std::io::stdin().lock().take(allowed + 1).read_to_end(&mut bytes)
     } else {
+        if path.is_dir() {
+            let text = format!("{} is a folder, but a file is needed", named.display());
+            return Err(Failure::Usage(text));
+        }
         let mut file = std::fs::File::open(path).map_err(failed)?;
         file.by_ref().take(ARCHIVE_START).read_to_end(&mut bytes).map_err(failed)?;
         if import::is_archive(&bytes) {
@@ -153,6 +172,9 @@ pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
         return Err(Failure::TooLarge { path: named, allowed });
     }
     read.map_err(failed)?;
+    if let Some(kind) = Kind::detect_binary(&bytes) {
+        return Err(unread(kind, &named.display().to_string()));
+    }
     console::detail(&format!("{}: {} bytes read", named.display(), bytes.len()));
     if import::is_archive(&bytes) {
         return document(std::io::Cursor::new(bytes), &named);
@@ -174,8 +196,10 @@ pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
 
 /// The text of the objects in a document of FreeCAD.
 fn document(archive: impl Read + Seek, named: &Path) -> Result<String, Failure> {
-    import::document_text(archive)
-        .map_err(|error| Failure::Usage(format!("{}: {error}", named.display())))
+    import::document_text(archive).map_err(|error| match error {
+        import::ArchiveError::Fmu => unread(Kind::Fmu, &named.display().to_string()),
+        error => Failure::Usage(format!("{}: {error}", named.display())),
+    })
 }
 
 /// The bytes of a file; refused if longer than `allowed` bytes.

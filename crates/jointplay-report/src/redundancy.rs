@@ -128,9 +128,11 @@ fn description(mechanism: &Mechanism, stress: &SelfStress, unit: LengthUnit) -> 
     let coupled = couplings(mechanism, stress.couplings.iter().map(|one| one.coupling));
     let coupled = coupled.join(", ");
     let within = match (stress.wrenches.is_empty(), coupled.is_empty()) {
-        (_, true) => format!("in {}", list(&mut joints())),
-        (true, false) => format!("in couplings {coupled}"),
-        (false, false) => format!("in {} and couplings {coupled}", list(&mut joints())),
+        (_, true) => format!("transmitted by {}", list(&mut joints())),
+        (true, false) => format!("transmitted by couplings {coupled}"),
+        (false, false) => {
+            format!("transmitted by {} and couplings {coupled}", list(&mut joints()))
+        }
     };
     let what = match &stress.screw {
         StressScrew::Force { centers, .. }

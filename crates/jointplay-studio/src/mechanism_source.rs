@@ -43,7 +43,9 @@ impl From<Option<FileKind>> for FileKindName {
             Some(FileKind::Cell) => Self::Cell,
             Some(FileKind::Study) => Self::Study,
             Some(FileKind::Loops) => Self::Loops,
-            None => Self::Unknown,
+            None | Some(FileKind::Part | FileKind::Program | FileKind::Picture | FileKind::Fmu) => {
+                Self::Unknown
+            }
         }
     }
 }
@@ -53,6 +55,9 @@ pub(crate) fn how_to_open(kind: FileKind) -> String {
     let how = match kind {
         FileKind::Cell => "open it with `jointplay studio FILE`",
         FileKind::Arms => "a work cell refers to it by its key `robot`",
+        FileKind::Part => "a work cell refers to it in a table `[[part]]`",
+        FileKind::Program => "open its work cell with `jointplay studio FILE`",
+        FileKind::Picture | FileKind::Fmu => "jointplay does not read it",
         FileKind::Study => "run it with `jointplay study FILE`",
         FileKind::Loops => "open the model whose loops it closes, then this file",
         FileKind::Mechanism | FileKind::Model | FileKind::ThreeRods => "open it here",

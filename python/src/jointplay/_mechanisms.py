@@ -87,7 +87,7 @@ class RedundantConstraint(Result):
     """Redundant constraint as a self-stress: joint loads in equilibrium without an external load."""
 
     what: str
-    """Description of the constraint, such as ``'moment about x, in A, B, C, D'``."""
+    """Description of the constraint, such as ``'moment about x, transmitted by A, B, C, D'``."""
     joints: tuple[str, ...]
     """Names of the joints that transmit the self-stress."""
     couplings: tuple[str, ...]

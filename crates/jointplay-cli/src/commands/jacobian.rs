@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use clap::Args;
-use jointplay::format::number::fixed;
+use jointplay::format::number::{fixed, rounded};
 use jointplay::mechanism::{FrameId, MechanismSystem};
 use jointplay::mobility::RANK_THRESHOLD;
 use jointplay::report::{
@@ -13,6 +13,7 @@ use jointplay::report::{
 use crate::failure::Failure;
 use crate::mechanism_input::{Input, JointValues, MechanismArgs, joint_values};
 use crate::output::magnitude;
+use crate::play_units::in_unit;
 use crate::progress::Progress;
 
 /// Compute Jacobians, velocities and accelerations of a mechanism with its loops closed
@@ -185,11 +186,13 @@ fn text(input: &Input, report: &JacobianReport, units: &[&str]) -> String {
     let zero = RANK_THRESHOLD * report.singular_values.first().copied().unwrap_or_default();
     let shown = |&value: &f64| format!(" {}", magnitude(if value > zero { value } else { 0.0 }));
     let values: String = report.singular_values.iter().map(shown).collect();
-    let length = fixed(report.characteristic_length_mm, 3);
+    let unit = input.file.units.length;
+    let length = rounded(in_unit(unit, report.characteristic_length_mm), 6);
     let _ = writeln!(
         text,
-        "loops with {} held, in radians and lengths of {length} mm",
-        report.commanded.join(", ")
+        "loops with {} held, in radians and lengths of {length} {}",
+        report.commanded.join(", "),
+        unit.name()
     );
     let _ = writeln!(text, "  singular values     {values}");
     text

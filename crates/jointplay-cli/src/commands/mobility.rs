@@ -8,7 +8,6 @@ use jointplay::constraint::CLOSURE_TOLERANCE;
 use jointplay::format::mechanism::{LengthUnit, MAX_BYTES};
 use jointplay::format::number::{counted, rounded};
 use jointplay::format::robot;
-use jointplay::format::units::m_from_mm;
 use jointplay::gpr::Gpr;
 use jointplay::mechanism::{MechanismSystem, mechanism_mobility};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility};
@@ -22,6 +21,7 @@ use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
 use crate::mechanism_input::{Input, JointValues, ToleranceArgs, joint_values};
 use crate::output::{limits, magnitude, three};
+use crate::play_units::in_unit;
 use crate::progress::Progress;
 use crate::source::{Kind, Source};
 use jointplay::format::number::fixed;
@@ -370,11 +370,6 @@ fn near_words(report: &MechanismMobilityReport) -> String {
         );
     }
     text
-}
-
-/// A length of a report in another unit.
-fn in_unit(unit: LengthUnit, length_mm: f64) -> f64 {
-    unit.from_meters(m_from_mm(length_mm))
 }
 
 fn motion_words(motion: &LinkMotionReport, unit: LengthUnit) -> String {

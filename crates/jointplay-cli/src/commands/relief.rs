@@ -10,8 +10,9 @@ use crate::arguments::AnswerArgs;
 use crate::failure::Failure;
 use crate::mechanism_input::{Input, JointValues};
 use crate::output::magnitude;
+use crate::play_units::{PlayUnits, in_unit};
 use crate::progress::Progress;
-use jointplay::format::number::fixed;
+use jointplay::format::number::{fixed, rounded};
 
 /// Prints the displacement of the virtual joints for a command; fails if one exceeds its clearance.
 pub(super) fn run(
@@ -56,29 +57,32 @@ fn text(input: &Input, report: &ReliefReport) -> String {
     let mut text = format!("{}, with virtual joints, at\n", report.name);
     text.push_str(&input.table(&report.coordinates.0, 0));
     let _ = writeln!(text, "virtual joints             displacement       clearance");
+    let (length_unit, units) = (input.file.units.length, PlayUnits::of(input.file.units.length));
     for joint in &report.virtual_joints {
-        let unit = if joint.unit == "um" { "µm" } else { joint.unit };
-        let clearance =
-            joint.clearance.map_or("-".to_owned(), |value| format!("±{}", fixed(value, 3)));
+        let (displacement, unit) = units.displacement(joint.displacement, joint.unit);
+        let clearance = joint.clearance.map_or("-".to_owned(), |value| {
+            format!("±{}", fixed(units.displacement(value, joint.unit).0, 3))
+        });
         let over = if joint.over { "  exceeded" } else { "" };
         let pad = " ".repeat(20_usize.saturating_sub(joint.name.chars().count()));
         let _ = writeln!(
             text,
             "  {}{pad}{:>16} {:>15} {unit}{over}",
             joint.name,
-            fixed(joint.displacement, 3),
+            fixed(displacement, 3),
             clearance
         );
     }
-    let unit = if report.size_unit == "um" { "µm" } else { report.size_unit };
-    let _ = writeln!(text, "  norm              {:>18} {:>15} {unit}", fixed(report.size, 3), "");
+    let (size, unit) = units.displacement(report.size, report.size_unit);
+    let _ = writeln!(text, "  norm              {:>18} {:>15} {unit}", fixed(size, 3), "");
     let values: String =
         report.singular_values.iter().map(|&value| format!(" {}", magnitude(value))).collect();
     let rows: Vec<&str> = report.virtual_joints.iter().map(|one| one.name.as_str()).collect();
-    let length = fixed(report.characteristic_length_mm, 3);
+    let length = rounded(in_unit(length_unit, report.characteristic_length_mm), 6);
+    let unit = length_unit.name();
     let _ = writeln!(
         text,
-        "sensitivity of the virtual joints to the commanded coordinates, mm per mm (angles are multiplied by {length} mm)"
+        "sensitivity of the virtual joints to the commanded coordinates, {unit} per {unit} (angles are multiplied by {length} {unit})"
     );
     let _ = writeln!(text, "  rows                 {}", rows.join(", "));
     let _ = writeln!(text, "  columns              {}", report.commanded.join(", "));

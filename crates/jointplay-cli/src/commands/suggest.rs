@@ -16,6 +16,7 @@ use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, JointValues, MechanismArgs, joint_values};
+use crate::play_units::PlayUnits;
 use crate::progress::Progress;
 use jointplay::format::number::{counted, fixed, number};
 
@@ -301,6 +302,7 @@ fn places(input: &Input, shown: &[usize], configurations: &[ByName<f64>]) -> Str
 
 /// Lines with the displacements of single coordinates that a set makes possible, and those that it does not.
 fn single_text(input: &Input, commands: &[SingleCommandReport]) -> String {
+    let units = PlayUnits::of(input.file.units.length);
     let mut text = String::new();
     for (possible, heading) in [(true, "also possible"), (false, "not possible")] {
         let listed: Vec<String> = commands
@@ -310,7 +312,10 @@ fn single_text(input: &Input, commands: &[SingleCommandReport]) -> String {
                 let unit = input.find(&one.coordinate).map_or("", |k| input.coordinates.unit(k));
                 let by = format!("{} ±{} {unit}", one.coordinate, fixed(one.by, 3));
                 match one.size_mm {
-                    Some(size) => format!("{by} by {} mm", fixed(size, 5)),
+                    Some(size) => {
+                        let (size, unit) = units.length(size);
+                        format!("{by} by {} {unit}", fixed(size, 5))
+                    }
                     None => by,
                 }
             })
@@ -341,13 +346,17 @@ fn optimality(report: &SuggestReport, rank: Rank) -> String {
 
 fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) -> String {
     let shown = shown(input, commanded);
+    let units = PlayUnits::of(input.file.units.length);
     let mut text = format!("virtual joints for {}\n", report.name);
     for command in &report.commands {
         let values: Vec<String> = report
             .commanded
             .iter()
             .zip(command)
-            .map(|(name, value)| format!("{name} = {}", fixed(*value, 4)))
+            .zip(commanded)
+            .map(|((name, value), &k)| {
+                format!("{name} = {} {}", fixed(*value, 4), input.coordinates.unit(k))
+            })
             .collect();
         let _ = writeln!(text, "  commanded {}", values.join(", "));
     }
@@ -379,7 +388,10 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) 
     };
     let least = match report.lower_bound_mj {
         Some(energy) => format!("{} mJ", fixed(energy, 5)),
-        None => format!("{} mm", fixed(report.lower_bound_mm, 5)),
+        None => {
+            let (least, unit) = units.length(report.lower_bound_mm);
+            format!("{} {unit}", fixed(least, 5))
+        }
     };
     let _ = writeln!(
         text,
@@ -397,17 +409,18 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) 
         };
         let energy = set.energy_mj.map(|energy| format!("energy {} mJ, ", fixed(energy, 5)));
         let energy = energy.unwrap_or_default();
-        let size = fixed(set.size_mm, 5);
-        let _ = writeln!(text, "{}. {energy}displacement {size} mm{alike}", n + 1);
+        let (size, unit) = units.length(set.size_mm);
+        let size = fixed(size, 5);
+        let _ = writeln!(text, "{}. {energy}displacement {size} {unit}{alike}", n + 1);
         for joint in &set.virtual_joints {
-            let unit = if joint.unit == "um" { "µm" } else { "mrad" };
+            let (largest, unit) = units.displacement(joint.largest, joint.unit);
             let name = &joint.virtual_joint.name;
             let clearance = match joint.exceeds_clearance {
                 Some(true) => ", exceeds the clearance",
                 Some(false) => ", within the clearance",
                 None => "",
             };
-            let largest = fixed(joint.largest, 3);
+            let largest = fixed(largest, 3);
             let _ = writeln!(text, "   {name:<44}{largest:>12} {unit}{clearance}");
             for alternative in &joint.alternatives {
                 let _ = writeln!(text, "     or {}", alternative.name);

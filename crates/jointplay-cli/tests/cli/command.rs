@@ -71,6 +71,106 @@ fn a_file_of_another_kind_is_refused_with_its_commands() {
     refused(&sandbox, "studio --loops x.toml --no-open", &["name its file too"]);
 }
 
+/// A file of each kind with a part of the noun that names it, and how it is read.
+fn files_of_all_kinds(sandbox: &Sandbox) -> Vec<(&'static str, &'static str, &'static str)> {
+    sandbox.write("study.toml", crate::study::SMALL);
+    sandbox.write("loops.toml", crate::import::LOOPS);
+    sandbox.write("closures.yaml", crate::import::CLOSURES);
+    sandbox.write("robot.urdf", crate::import::URDF);
+    sandbox.write("cell.toml", include_str!("../../../jointplay-format/cells/example.toml"));
+    sandbox.write("lot.program", include_str!("../../../jointplay-format/cells/example.program"));
+    // The name of a file does not decide.
+    sandbox.write("lot.toml", "# A program.\nparameter n = 2\nhome\nREPEAT n\n  WAIT 1 s\nEND\n");
+    sandbox.write("part.toml", include_str!("../../../jointplay-format/parts/aligner.toml"));
+    sandbox.write(
+        "drawing.svg",
+        "<?xml version=\"1.0\"?>\n<!-- by hand -->\n<svg xmlns=\"http://www.w3.org/2000/svg\"/>\n",
+    );
+    std::fs::write(sandbox.file("picture.png"), b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
+    std::fs::write(sandbox.file("paper.pdf"), b"%PDF-1.7\n").unwrap();
+    // An archive with one empty entry, as the tool `zip` writes it.
+    let mut archive =
+        b"PK\x03\x04\n\0\0\0\0\0\0\0!\0\0\0\0\0\0\0\0\0\0\0\0\0\x14\0\0\0modelDescription.xml"
+            .to_vec();
+    let start = u32::try_from(archive.len()).unwrap();
+    archive.extend(b"PK\x01\x02\x1e\x03\n\0\0\0\0\0\0\0!\0\0\0\0\0\0\0\0\0\0\0\0\0\x14\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0modelDescription.xml");
+    let length = u32::try_from(archive.len()).unwrap() - start;
+    archive.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
+    archive.extend(length.to_le_bytes().into_iter().chain(start.to_le_bytes()).chain([0, 0]));
+    std::fs::write(sandbox.file("unit.fmu"), archive).unwrap();
+    vec![
+        ("bennett", "a mechanism", "jointplay mobility, assemble"),
+        ("robot.urdf", "a model of another program", "jointplay mobility, assemble"),
+        ("gpr", "a three-rod robot", "jointplay forward, inverse"),
+        ("dual-arm", "a robot with arms", "robot = \"dual-arm\""),
+        ("cell.toml", "a work cell", "jointplay cell check cell.toml"),
+        ("part.toml", "a part of work cells", "part = \"part.toml\""),
+        ("lot.program", "a program of a work cell", "jointplay cell check CELL lot.program"),
+        ("lot.toml", "a program of a work cell", "jointplay cell check CELL lot.toml"),
+        ("study.toml", "a study", "jointplay study study.toml"),
+        ("loops.toml", "a file of loops", "--loops loops.toml"),
+        ("closures.yaml", "a file of loops", "--loops closures.yaml"),
+        ("drawing.svg", "a picture", "which no command reads"),
+        ("picture.png", "a picture", "which no command reads"),
+        ("paper.pdf", "a picture", "which no command reads"),
+        ("unit.fmu", "a functional mock-up unit (FMU)", "which no command reads"),
+    ]
+}
+
+/// Every kind of file for every command that reads another one: what the file is, and its command.
+#[test]
+fn each_command_names_files_of_all_other_kinds() {
+    const MECHANISMS: [&str; 3] =
+        ["a mechanism", "a model of another program", "a three-rod robot"];
+    let sandbox = Sandbox::new();
+    let files = files_of_all_kinds(&sandbox);
+    let named: Vec<&str> = files.iter().map(|(_, noun, _)| *noun).collect();
+    for kind in jointplay::interop::FileKind::ALL {
+        assert!(named.contains(&kind.noun()), "a file of the kind {kind:?} is not tried");
+    }
+    let mut lines: Vec<(String, &[&str])> = Vec::new();
+    for command in ["mobility", "assemble", "draw", "suggest", "jacobian", "move"] {
+        lines.push((format!("{command} FILE"), &MECHANISMS));
+    }
+    lines.push(("export FILE --to urdf --out model".to_owned(), &MECHANISMS));
+    lines.push(("import FILE".to_owned(), &["a model of another program", "a three-rod robot"]));
+    for command in ["forward", "inverse", "simulate", "sensitivity"] {
+        lines.push((format!("{command} --robot FILE"), &["a three-rod robot"]));
+    }
+    lines.push(("compare --robot FILE".to_owned(), &["a three-rod robot", "a robot with arms"]));
+    lines.push(("study FILE --out -".to_owned(), &["a study"]));
+    for command in ["check", "run", "report", "export", "teach", "displacement", "expand", "serve"]
+    {
+        lines.push((format!("cell {command} FILE"), &["a work cell"]));
+    }
+    lines.push(("cell check cell.toml FILE".to_owned(), &["a program of a work cell"]));
+    lines.push(("cell format FILE".to_owned(), &["a program of a work cell"]));
+    #[cfg(feature = "studio")]
+    {
+        let kinds =
+            &["a mechanism", "a model of another program", "a three-rod robot", "a work cell"];
+        lines.push(("studio FILE --no-open".to_owned(), kinds));
+        lines.push(("studio --cell FILE --no-open".to_owned(), &["a work cell"]));
+        lines.push(("studio --mechanism FILE --no-open".to_owned(), &MECHANISMS));
+    }
+    for (line, accepted) in &lines {
+        for (file, noun, used) in &files {
+            if accepted.contains(noun) {
+                continue;
+            }
+            let line = line.replace("FILE", file);
+            refused(&sandbox, &line, &[&format!("error: {file} is {noun}, "), used]);
+            let printed = sandbox.run(&line).stderr;
+            assert_eq!(
+                printed.lines().filter(|line| !line.starts_with("  ")).count(),
+                1,
+                "{line}: {printed}"
+            );
+        }
+    }
+    refused(&sandbox, "mobility .", &["is a folder, but a file is needed"]);
+}
+
 #[test]
 fn files_come_from_standard_input_too() {
     let sandbox = Sandbox::new();

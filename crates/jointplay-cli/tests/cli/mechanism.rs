@@ -1017,7 +1017,7 @@ fn redundant_constraints_are_described() {
     for words in [
         "overconstrained and movable",
         "redundant constraints (sparsest basis of the self-stresses)",
-        ". moment about x, in A, B, C, D",
+        ". moment about x, transmitted by A, B, C, D",
         "  in all self-stresses: A, B, C, D",
     ] {
         assert!(text.contains(words), "{text}");
@@ -1105,7 +1105,7 @@ fn redundant_couplings_are_removed_and_not_released() {
     sandbox.write("ring.toml", &text.concat());
     let text = sandbox.done("mobility ring.toml");
     for words in [
-        "forces of couplings alone, in couplings AB, BC, CA",
+        "forces of couplings alone, transmitted by couplings AB, BC, CA",
         "  to remove one: remove any one of its couplings\n",
         "  couplings in all self-stresses: AB, BC, CA\n",
     ] {

@@ -57,7 +57,7 @@ fn flags_that_make_no_sense() {
     refuse("compare --figure shift.eps", 2, "must end in .svg, .png, .pdf or .tex");
     refuse("completions tcl", 2, "possible values: bash");
     refuse("forward --robot missing.toml", 2, "cannot read missing.toml");
-    refuse("forward --robot .", 2, "cannot read .");
+    refuse("forward --robot .", 2, ". is a folder, but a file is needed");
     refuse("assemble four-bar --branches 0", 2, "expected an integer from 1 to 10000");
     refuse("assemble four-bar --branches many", 2, "invalid value \"many\"");
     refuse("frobnicate", 2, "unrecognized subcommand");

@@ -84,6 +84,13 @@ impl Sandbox {
     }
 }
 
+/// Repeats an attempt to disturb a run, each time with four times the samples, until the run has not ended before: how long a number of samples takes depends on the machine.
+#[track_caller]
+pub(crate) fn until_disturbed(samples: u64, attempt: impl Fn(u64) -> bool) {
+    let disturbed = (0..5).any(|k| attempt(samples << (2 * k)));
+    assert!(disturbed, "all runs ended before they were disturbed");
+}
+
 /// Three numbers of a JSON array.
 pub(crate) fn three(value: &Value) -> [f64; 3] {
     let numbers: Vec<f64> = value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();

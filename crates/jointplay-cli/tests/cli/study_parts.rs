@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::sandbox::Sandbox;
+use crate::sandbox::{Sandbox, until_disturbed};
 
 /// Three parts: 65,536, 65,536 and 28 samples, some without an answer.
 const STUDY: &str = r#"kind = "study"
@@ -241,9 +241,15 @@ fn mechanisms_are_computed_on_one_kind_of_processor() {
 #[cfg(unix)]
 #[test]
 fn tasks_that_are_killed_leave_complete_parts() {
+    until_disturbed(500_000, tasks_killed_and_repeated);
+}
+
+/// Kills two tasks that compute the same parts, and computes what is missing; false where one ended before.
+#[cfg(unix)]
+fn tasks_killed_and_repeated(samples: u64) -> bool {
     let sandbox = Sandbox::new();
-    let text = STUDY.replace("131100", "500000").replace("normal = [0, 15]", "uniform = [0, 5]");
-    sandbox.write("s.toml", &text);
+    let text = STUDY.replace("131100", &samples.to_string());
+    sandbox.write("s.toml", &text.replace("normal = [0, 15]", "uniform = [0, 5]"));
     let finished = |folder: &Path| {
         let names = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let records =
@@ -251,23 +257,27 @@ fn tasks_that_are_killed_leave_complete_parts() {
         records.filter(|entry| entry.path().extension().is_some_and(|end| end == "json")).count()
     };
     let line = "study s.toml --parts run --part-format csv --quiet";
-    // Two tasks with the same parts, both killed; then two that finish.
-    for kill in [true, false] {
-        let before = finished(&sandbox.file("run"));
-        let mut tasks = [0, 1].map(|_| {
-            sandbox.command(line).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
-        });
-        if kill {
-            while finished(&sandbox.file("run")) < before + 2 {
-                std::thread::sleep(Duration::from_millis(1));
-            }
-            tasks.iter_mut().for_each(|task| task.kill().unwrap());
+    let start = || {
+        let mut command = sandbox.command(line);
+        command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    };
+    let mut killed = [start(), start()];
+    while finished(&sandbox.file("run")) < 2 {
+        if killed.iter_mut().all(|task| task.try_wait().unwrap().is_some()) {
+            break;
         }
-        for mut task in tasks {
-            assert_eq!(task.wait().unwrap().success(), !kill);
-        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    killed.iter_mut().for_each(|task| task.kill().unwrap());
+    let ended = killed.map(|mut task| task.wait().unwrap());
+    if ended.iter().any(std::process::ExitStatus::success) {
+        return false;
+    }
+    for mut task in [start(), start()] {
+        assert!(task.wait().unwrap().success());
     }
     sandbox.done("study s.toml --parts run --gather t.csv --quiet");
     sandbox.done("study s.toml --out whole.csv --quiet");
     assert!(sandbox.read("t.csv") == sandbox.read("whole.csv"));
+    true
 }

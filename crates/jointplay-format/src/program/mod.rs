@@ -13,6 +13,7 @@
 //! | --- | --- |
 //! | read a program | [`parse`] |
 //! | read the valid lines of a program | [`parse_recovering`] |
+//! | recognise a program | [`is_program`] |
 //! | format the text of a program | [`format`](fn@format) |
 //! | write a program as text | [`write`](fn@write) |
 //! | set parameters in the text of a program | [`with_parameters`] |
@@ -35,7 +36,7 @@ mod write;
 
 pub use explain::{Explained, explain};
 pub use layout::format;
-pub use parser::{MAX_BYTES, MAX_DEPTH, parse, parse_recovering};
+pub use parser::{MAX_BYTES, MAX_DEPTH, is_program, parse, parse_recovering};
 pub use phase::phase_name;
 pub use problem::{Error, Problem};
 pub use settings::{Setting, SettingProblem, with_parameters};

@@ -20,6 +20,22 @@ pub const MAX_BYTES: usize = 1_000_000;
 /// Greatest depth of nested blocks.
 pub const MAX_DEPTH: usize = 32;
 
+/// Whether a text is a program and no file of another kind: most of its lines begin with a command.
+#[must_use]
+pub fn is_program(text: &str) -> bool {
+    let (mut commands, mut others) = (0_usize, 0_usize);
+    for line in lines(text) {
+        let Some(first) = line.tokens.first() else { continue };
+        // A key of a TOML file may have the name of a command.
+        let is_key = line.tokens.get(1).is_some_and(|next| next.text == "=");
+        match !is_key && COMMANDS.into_iter().any(|command| first.is(command)) {
+            true => commands += 1,
+            false => others += 1,
+        }
+    }
+    commands > others
+}
+
 /// Reads a program.
 ///
 /// # Errors

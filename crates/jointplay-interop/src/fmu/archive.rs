@@ -11,6 +11,9 @@ use super::error::Error;
 use super::instance::Fmu;
 use super::resources::Resources;
 
+/// The entry that describes a unit, by which units are recognised.
+pub(crate) const MODEL_DESCRIPTION: &str = "modelDescription.xml";
+
 /// Why a unit cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -68,7 +71,7 @@ pub fn archive(
         .last_modified_time(DateTime::DEFAULT)
         .unix_permissions(0o644);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    zip.start_file("modelDescription.xml", options)?;
+    zip.start_file(MODEL_DESCRIPTION, options)?;
     zip.write_all(model_description(&fmu, name, &identifier, version).as_bytes())?;
     for (file, text) in resources.files() {
         zip.start_file(format!("resources/{file}"), options)?;

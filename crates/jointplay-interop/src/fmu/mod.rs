@@ -31,6 +31,7 @@ mod solved;
 mod state;
 mod variable;
 
+pub(crate) use archive::MODEL_DESCRIPTION;
 pub use archive::{ArchiveError, archive, model_identifier};
 pub use binary::{Binary, BinaryError, library_mark};
 pub use description::{FmiVersion, model_description};

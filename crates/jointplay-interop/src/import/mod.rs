@@ -40,8 +40,10 @@ pub use drive_table::{
     DriveColumn, DriveTable, DriveTableError, MAX_COLUMNS, MAX_ROWS, MAX_TABLE_BYTES, drive_table,
 };
 pub use freecad::{ArchiveError, MAX_DOCUMENT_BYTES, document_text, is_archive, is_document_name};
-pub use loops::LoopsError;
+pub use loops::{LoopsError, is_loops_of_another_program};
 pub use mjcf::{Expanded, IncludeError, expand_includes};
 pub use model::{Dialect, Imported};
 pub use problem::{Error, Problem};
-pub use read::{ClosedError, is_assembly, is_model, parse, parse_closed, parse_with_unit};
+pub use read::{
+    ClosedError, is_assembly, is_model, is_picture, parse, parse_closed, parse_with_unit,
+};

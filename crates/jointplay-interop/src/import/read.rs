@@ -27,14 +27,26 @@ pub fn is_assembly(text: &str) -> bool {
     first.is_some_and(|line| asmt::FIRST_LINES.contains(&line.trim()))
 }
 
-/// Whether a text may be that of a document of FreeCAD, which is longer than other models: before its root element it has only a declaration and comments.
+/// Whether a text is a picture (SVG), which is XML but no model.
+#[must_use]
+pub fn is_picture(text: &str) -> bool {
+    begins_with(text, "<svg")
+}
+
+/// Whether a text may be that of a document of FreeCAD, which is longer than other models.
 fn is_document(text: &str) -> bool {
+    begins_with(text, "<Document")
+}
+
+/// Whether XML begins with an element, after only declarations and comments.
+fn begins_with(text: &str, element: &str) -> bool {
     let mut rest = text.trim_start_matches('\u{feff}').trim_start();
     loop {
         let end = match rest {
             _ if rest.starts_with("<?") => "?>",
             _ if rest.starts_with("<!--") => "-->",
-            _ => return rest.starts_with("<Document"),
+            _ if rest.starts_with("<!DOCTYPE") => ">",
+            _ => return rest.starts_with(element),
         };
         let Some((_, after)) = rest.split_once(end) else { return false };
         rest = after.trim_start();

@@ -1,6 +1,8 @@
 //! Studies: complete, cancelled, and rejected.
 
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray as _;
@@ -234,22 +236,30 @@ fn deadlines_end_long_computations() {
     runtime.block_on(async {
         let short = Duration::from_millis(20);
         let hurried = impatient(Deadlines { request: short, ..Deadlines::default() });
-        // All workers are busy: the request exceeds its deadline.
-        for _ in 0..std::thread::available_parallelism().unwrap().get() {
-            let work = hurried.work.clone();
-            let busy = || {
-                std::thread::sleep(Duration::from_millis(400));
+        // All workers are busy until the answer: the request exceeds its deadline.
+        let workers = std::thread::available_parallelism().unwrap().get();
+        let answered = Arc::new(AtomicBool::new(false));
+        for _ in 0..workers {
+            let (work, answered) = (hurried.work.clone(), Arc::clone(&answered));
+            let busy = move || {
+                let start = Instant::now();
+                while !answered.load(Ordering::Relaxed) && start.elapsed().as_secs() < 60 {
+                    std::thread::sleep(Duration::from_millis(5));
+                }
                 Ok(())
             };
             tokio::spawn(async move { work.run(busy).await.is_ok() });
         }
-        tokio::task::yield_now().await;
+        while hurried.work.running() < workers {
+            tokio::task::yield_now().await;
+        }
         let pose = r#"{"command": {"kind": "rods", "rods_m": [0.5, 0.5, 0.5]}}"#;
         let ask = Request::post("/api/v1/pose")
             .header(header::HOST, HOST)
             .header(header::CONTENT_TYPE, "application/json")
             .body(Body::from(pose));
         let answer = router::router(hurried, PORT).oneshot(ask.unwrap()).await.unwrap();
+        answered.store(true, Ordering::Relaxed);
         assert_eq!(answer.status(), StatusCode::SERVICE_UNAVAILABLE);
         let problem = answer.into_body().collect().await.unwrap().to_bytes();
         assert!(String::from_utf8_lossy(&problem).contains("longer than 0.02 s"), "{problem:?}");

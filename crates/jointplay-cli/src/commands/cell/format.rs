@@ -6,11 +6,11 @@ use clap::Args;
 use jointplay::format::program;
 use serde::Serialize;
 
-use super::input::EXAMPLE;
+use super::input::{EXAMPLE, program_source};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::output::{self, FormatArgs};
-use crate::source::{STANDARD, label, read_text};
+use crate::source::STANDARD;
 
 /// Format a program: uppercase keywords, indented blocks, comments kept
 ///
@@ -45,7 +45,10 @@ struct FormatReport<'a> {
 impl Format {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let (text, label) = match &self.program {
-            Some(path) => (read_text(path, program::MAX_BYTES as u64)?, label(path)),
+            Some(path) => {
+                let source = program_source(path)?;
+                (source.text, source.label)
+            }
             None => (program::EXAMPLE.to_owned(), format!("{EXAMPLE}.program")),
         };
         let formatted =

@@ -22,7 +22,7 @@ use crate::arguments::finite;
 use crate::failure::{Diagnostic, Failure};
 use crate::output::FormatArgs;
 use crate::progress::{Progress, Reporter};
-use crate::source::{self, Kind, STANDARD, Source, read_text};
+use crate::source::{self, Kind, STANDARD, Source};
 
 /// Name of the included example, in place of a file.
 pub(super) const EXAMPLE: &str = "example";
@@ -99,6 +99,13 @@ impl CellSource {
         let cell = read.map_err(|problems| Failure::invalid_cell(&problems, &label))?;
         Ok(Self { cell, label, stem, text, folder, files })
     }
+}
+
+/// Reads a program file.
+pub(super) fn program_source(path: &Path) -> Result<Source, Failure> {
+    let source = Source::read(path, program::MAX_BYTES)?;
+    source.require(&[Kind::Program], "a program of a work cell")?;
+    Ok(source)
 }
 
 /// The text of a program and its name in messages.
@@ -204,6 +211,10 @@ impl InputArgs {
         let (cell, ProgramText { text, label }) = match (cell, program) {
             (cell, Ok(found)) => (cell, found),
             (Ok(_), Err(program)) => return Err(program),
+            // A file of another kind has no program of its name.
+            (Err(cell), Err(_)) if self.program.is_none() && matches!(cell, Failure::Usage(_)) => {
+                return Err(cell);
+            }
             (Err(cell), Err(program)) => {
                 let (cell, program) = (Box::new(cell), Box::new(program));
                 return Err(Failure::CellAndProgram { cell, program });
@@ -252,8 +263,8 @@ impl InputArgs {
                 return Ok(ProgramText { text: program::EXAMPLE.to_owned(), label });
             }
         };
-        let text = read_text(&path, program::MAX_BYTES as u64)?;
-        Ok(ProgramText { text, label: source::label(&path) })
+        let Source { text, label, .. } = program_source(&path)?;
+        Ok(ProgramText { text, label })
     }
 
     /// The parameters that are set, of the cell and of the program.

@@ -9,6 +9,8 @@ use jointplay_format::place::listed;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use crate::fmu::MODEL_DESCRIPTION;
+
 /// Largest text of a document (bytes).
 pub const MAX_DOCUMENT_BYTES: usize = 32_000_000;
 /// Most bytes read to find the entries of an archive: the list of more than 100,000 entries.
@@ -33,6 +35,9 @@ pub enum ArchiveError {
         "a document of FreeCAD (.{EXTENSION}) is a zip archive, which begins with the letters PK; this file does not"
     )]
     NoArchive,
+    /// A functional mock-up unit.
+    #[error("the archive is a functional mock-up unit (FMU), and no file of FreeCAD")]
+    Fmu,
     /// An archive of something else.
     #[error(
         "the archive has no {DOCUMENT}, so that it is no file of FreeCAD; it has {}",
@@ -77,6 +82,9 @@ pub fn document_text(file: impl Read + Seek) -> std::result::Result<String, Arch
     let mut archive = ZipArchive::new(bounded).map_err(damaged)?;
     left.set(MAX_DOCUMENT_BYTES as u64 + MAX_DIRECTORY_BYTES);
     if archive.index_for_name(DOCUMENT).is_none() {
+        if archive.index_for_name(MODEL_DESCRIPTION).is_some() {
+            return Err(ArchiveError::Fmu);
+        }
         let names = archive.file_names().filter_map(|name| name.ok()).take(5);
         let found = names.map(|name| name.chars().take(60).collect()).collect();
         return Err(ArchiveError::NoDocument { found });
@@ -151,6 +159,10 @@ mod tests {
         refuse(b"", "no archive of FreeCAD");
         refuse(b"PK\x03\x04", "no archive of FreeCAD");
         refuse(&packed(&[("word/document.xml", b"<w/>")]), "it has word/document.xml");
+        refuse(
+            &packed(&[("binaries/a.so", b""), (MODEL_DESCRIPTION, b"<fmi/>")]),
+            "functional mock-up unit",
+        );
         refuse(&packed(&[(DOCUMENT, b"\xff\xfe")]), "not text in UTF-8");
         // An archive of 32 kB that unpacks to more than the longest document.
         let bomb = packed(&[(DOCUMENT, &vec![b' '; MAX_DOCUMENT_BYTES + 1])]);

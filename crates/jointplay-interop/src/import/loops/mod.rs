@@ -17,6 +17,18 @@ use jointplay_format::mechanism as native;
 use super::problem::Error;
 use yaml::Yaml;
 
+/// Top-level key of hinges.
+const CLOSURES: &str = "closures";
+/// Top-level key of frames that coincide.
+const FRAME_PAIRS: &str = "closed_loop";
+
+/// Whether a text closes loops in the YAML of another program, by its top-level keys.
+#[must_use]
+pub fn is_loops_of_another_program(text: &str) -> bool {
+    let yaml = Yaml { text };
+    [CLOSURES, FRAME_PAIRS].into_iter().any(|key| yaml.has_key(key))
+}
+
 /// A file of loops, parsed.
 pub(super) enum LoopFile<'a> {
     Toml(&'a str),
@@ -40,9 +52,9 @@ impl<'a> LoopFile<'a> {
     /// Reads a file; YAML is recognized by its top-level keys.
     pub(super) fn parse(text: &'a str) -> Result<Self, LoopsError> {
         let yaml = Yaml { text };
-        Ok(if yaml.has_key("closures") {
+        Ok(if yaml.has_key(CLOSURES) {
             Self::Closures(yaml.parse()?, yaml)
-        } else if yaml.has_key("closed_loop") {
+        } else if yaml.has_key(FRAME_PAIRS) {
             Self::FramePairs(yaml.parse()?, yaml)
         } else {
             Self::Toml(text)
