@@ -28,7 +28,7 @@ async function at(width: number, height: number, part: 'robot' | 'cell' | 'mecha
   const page = await visit(browser, { viewport: { width, height } });
   const heard = complaints(page);
   try {
-    await page.addInitScript((shown) => localStorage.setItem('jointplay.studio.part', JSON.stringify(shown)), part);
+    await page.addInitScript((shown) => sessionStorage.setItem('jointplay.studio.part', shown), part);
     await load(page, server.address);
     if (part === 'robot') await drawn(page);
     else if (part === 'cell') await until('the result is there', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
@@ -48,7 +48,7 @@ const cut = (page: Page) =>
       .map((one) => one.textContent ?? ''),
   );
 
-for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], [1280, 720]] as const) {
+for (const [width, height] of [[390, 844], [500, 900], [512, 350], [720, 450], [1024, 700], [1280, 720]] as const) {
   test(`the robot is visible in a window of ${width} × ${height}`, () =>
     at(width, height, 'robot', async (page) => {
       const scene = (await page.locator('.scene').boundingBox())!;
@@ -88,7 +88,7 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
     }));
 }
 
-for (const [width, height] of [[320, 568], [390, 844], [500, 900], [720, 450], [1024, 700]] as const)
+for (const [width, height] of [[320, 568], [390, 844], [500, 900], [512, 350], [720, 450], [1024, 700]] as const)
   test(`nothing covers the platform of the robot in a window of ${width} × ${height}`, () =>
     at(width, height, 'robot', async (page) => {
       for (const view of ['first', 'Fit', 'Robot', 'Platform', 'Plan']) {
@@ -112,6 +112,32 @@ test('the play scale can be moved next to the robot editor', () =>
     const scene = (await page.locator('.scene').boundingBox())!;
     const scale = (await page.getByTestId('play-scale').boundingBox())!;
     expect(scale.x + scale.width).toBeLessThanOrEqual(scene.x + scene.width);
+  }));
+
+test('the platform fills the room between explanation and buttons', () =>
+  at(1280, 720, 'robot', async (page) => {
+    await page.getByRole('button', { name: 'Platform', exact: true }).click();
+    await frames(page);
+    const corners = (await page.evaluate(() => window.jointplay.probe.platform!())).map(({ x }) => x);
+    const left = await page.locator('.introduction').evaluate((one) => one.getBoundingClientRect().right);
+    const right = await page.locator('.views').evaluate((one) => one.getBoundingClientRect().left);
+    expect(Math.min(...corners)).toBeGreaterThan(left);
+    expect(Math.max(...corners)).toBeLessThan(right);
+    expect(Math.max(...corners) - Math.min(...corners)).toBeGreaterThan(0.45 * (right - left));
+    expect(Math.abs((Math.max(...corners) + Math.min(...corners) - left - right) / 2), 'in its middle').toBeLessThan(20);
+  }));
+
+test('no coordinate of the robot file is cut off, and nothing lengthens the page', () =>
+  at(512, 350, 'robot', async (page) => {
+    for (const [width, height] of [[512, 350], [1440, 900]] as const) {
+      await page.setViewportSize({ width, height });
+      if (!(await page.getByTestId('robot-fields').isVisible())) await page.getByTestId('edit-robot').click();
+      await page.getByTestId('robot-fields').waitFor();
+      const cut = () => page.getByTestId('robot-fields').locator('td input').evaluateAll((fields) => (fields as HTMLInputElement[]).filter((field) => field.scrollWidth > field.clientWidth).map(({ value }) => value));
+      expect((await page.getByTestId('limb-2-y').inputValue()).length).toBeGreaterThan(8);
+      expect(await cut()).toEqual([]);
+      expect(await page.evaluate(() => document.body.scrollHeight)).toBe(height);
+    }
   }));
 
 test('the steps of the tour stay in view in a narrow window', () =>
@@ -163,6 +189,35 @@ test('without a mechanism, one note replaces the panels, and the catalogue is on
     await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
     await until('the mechanism is in view', async () => ((await page.locator('.scene').boundingBox())!.y) > 0);
     expect(await page.locator('[data-dock] section').count()).toBeGreaterThan(5);
+  }));
+
+for (const [width, height] of [[320, 568], [390, 844], [512, 350], [720, 450]] as const)
+  test(`the note of an empty mechanism view is next to the cube in a window of ${width} × ${height}`, () =>
+    at(width, height, 'mechanism', async (page) => {
+      const button = (await page.getByTestId('show-catalogue').boundingBox())!;
+      const lines = await page.locator('.empty').evaluate((note) => {
+        const range = document.createRange();
+        range.selectNode(note.firstChild!);
+        return [...range.getClientRects()].map(({ x, y, width, height }) => ({ x, y, width, height }));
+      });
+      expect(lines.length).toBeGreaterThan(0);
+      const scene = (await page.locator('.scene').boundingBox())!;
+      const cube = await page.getByTestId('cube').boundingBox();
+      for (const box of [button, ...lines]) {
+        expect(box.x).toBeGreaterThanOrEqual(scene.x);
+        expect(box.x + box.width).toBeLessThanOrEqual(scene.x + scene.width);
+        expect(box.y + box.height).toBeLessThanOrEqual(scene.y + scene.height);
+        if (cube) expect(box.x + box.width <= cube.x || box.x >= cube.x + cube.width || box.y >= cube.y + cube.height || box.y + box.height <= cube.y, JSON.stringify({ box, cube })).toBe(true);
+      }
+    }));
+
+test('a mechanism of the catalogue is in view after it is opened from the drawer of a small window', () =>
+  at(512, 350, 'mechanism', async (page) => {
+    await page.getByTestId('show-catalogue').click();
+    await page.getByTestId('entry-four-bar').click();
+    await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
+    await page.locator('#drawer-left').waitFor({ state: 'hidden' });
+    expect(await page.getByTestId('drawer-left-button').evaluate((button) => button === document.activeElement)).toBe(true);
   }));
 
 test('a loading note is visible before the scripts have loaded', async () => {

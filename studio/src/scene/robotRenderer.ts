@@ -230,10 +230,8 @@ export class RobotRenderer extends SceneRenderer {
     const right = reference.clone().cross(direction).normalize();
     const up = direction.clone().cross(right);
     const full = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.82;
-    const { left, top, bottom } = this.#coveredNow;
-    // The box stays in the middle, and is narrower than what the column leaves free.
-    const column = this.exporting || this.#isBelowRows ? 0 : 2 * COLUMN;
-    const halfWidth = (full * Math.max(this.size.width - left - column, 200)) / this.size.height;
+    const { left, right: covered, top, bottom } = this.#coveredNow;
+    const halfWidth = (full * Math.max(this.size.width - left - covered, 200)) / this.size.height;
     const halfHeight = (full * Math.max(this.size.height - top - bottom, 120)) / this.size.height;
     let distance = 1;
     for (let index = 0; index < 8; index++) {
@@ -280,8 +278,14 @@ export class RobotRenderer extends SceneRenderer {
   }
 
   /** What other elements cover of the view [px]; nothing in pictures for export. */
-  get #coveredNow(): { left: number; top: number; bottom: number } {
-    return this.exporting ? { left: 0, top: 0, bottom: 0 } : { left: this.#covered, top: this.#isBelowRows ? this.coveredRows.top * this.size.height : 0, bottom: FOOTER };
+  get #coveredNow(): { left: number; right: number; top: number; bottom: number } {
+    if (this.exporting) return { left: 0, right: 0, top: 0, bottom: 0 };
+    if (this.#isBelowRows) return { left: this.#covered, right: 0, top: this.coveredRows.top * this.size.height, bottom: FOOTER };
+    // The playground has neither buttons nor cube.
+    const column = this.coveredBoxes().length > 0 ? COLUMN : 0;
+    // Views that are low and narrow have the buttons at the left, and the cube at the right.
+    const buttons = this.size.height <= LOW_VIEW.height ? column : 0;
+    return { left: this.#covered + buttons, right: column, top: 0, bottom: FOOTER };
   }
 
   /** Whether buttons take rows above the robot, and no column next to it. */
@@ -298,8 +302,8 @@ export class RobotRenderer extends SceneRenderer {
     if (this.camera === this.#orthographic)
       Object.assign(this.#orthographic, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
     const { width, height } = this.size;
-    const { left, top, bottom } = this.#coveredNow;
-    this.camera.setViewOffset(width, height, -left / 2, (bottom - top) / 2, width, height);
+    const { left, right, top, bottom } = this.#coveredNow;
+    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
     this.camera.updateProjectionMatrix();
   }
 
