@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import { readFileSync } from 'node:fs';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { ROOT, browse, complaints, drawn, load, serve, until, visit, type Server } from './studio';
+import { ROOT, browse, complaints, drawn, frames, load, serve, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -24,14 +24,14 @@ afterAll(async () => {
   rmSync(folder, { recursive: true });
 });
 
-async function at(width: number, height: number, part: 'robot' | 'cell', does: (page: Page) => Promise<void>): Promise<void> {
+async function at(width: number, height: number, part: 'robot' | 'cell' | 'mechanism', does: (page: Page) => Promise<void>): Promise<void> {
   const page = await visit(browser, { viewport: { width, height } });
   const heard = complaints(page);
   try {
-    await page.addInitScript((shown) => localStorage.setItem('jointplay.studio.part', JSON.stringify(shown)), part);
+    await page.addInitScript((shown) => sessionStorage.setItem('jointplay.studio.part', shown), part);
     await load(page, server.address);
     if (part === 'robot') await drawn(page);
-    else await until('the result is there', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
+    else if (part === 'cell') await until('the result is there', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
     await does(page);
     expect(heard).toEqual([]);
   } finally {
@@ -48,7 +48,7 @@ const cut = (page: Page) =>
       .map((one) => one.textContent ?? ''),
   );
 
-for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], [1280, 720]] as const) {
+for (const [width, height] of [[390, 844], [500, 900], [512, 350], [720, 450], [1024, 700], [1280, 720]] as const) {
   test(`the robot is visible in a window of ${width} × ${height}`, () =>
     at(width, height, 'robot', async (page) => {
       const scene = (await page.locator('.scene').boundingBox())!;
@@ -87,6 +87,138 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
       expect(await cut(page)).toEqual([]);
     }));
 }
+
+for (const [width, height] of [[320, 568], [390, 844], [500, 900], [512, 350], [720, 450], [1024, 700]] as const)
+  test(`nothing covers the platform of the robot in a window of ${width} × ${height}`, () =>
+    at(width, height, 'robot', async (page) => {
+      for (const view of ['first', 'Fit', 'Robot', 'Platform', 'Plan']) {
+        if (view !== 'first') await page.getByRole('button', { name: view, exact: true }).last().click();
+        await frames(page);
+        const covered = await page.evaluate(() =>
+          window.jointplay.probe.platform!().flatMap(({ x, y }) => {
+            const over = document.elementFromPoint(x, y);
+            return over?.matches('.scene canvas') ? [] : [`${x}, ${y}: ${over?.outerHTML.slice(0, 80)}`];
+          }),
+        );
+        expect(covered, view).toEqual([]);
+      }
+    }));
+
+test('the play scale can be moved next to the robot editor', () =>
+  at(1024, 700, 'robot', async (page) => {
+    await page.getByTestId('edit-robot').click();
+    await page.getByTestId('robot-fields').waitFor();
+    expect((await page.getByTestId('exaggeration').boundingBox())!.width).toBeGreaterThanOrEqual(60);
+    const scene = (await page.locator('.scene').boundingBox())!;
+    const scale = (await page.getByTestId('play-scale').boundingBox())!;
+    expect(scale.x + scale.width).toBeLessThanOrEqual(scene.x + scene.width);
+  }));
+
+test('the platform fills the room between explanation and buttons', () =>
+  at(1280, 720, 'robot', async (page) => {
+    await page.getByRole('button', { name: 'Platform', exact: true }).click();
+    await frames(page);
+    const corners = (await page.evaluate(() => window.jointplay.probe.platform!())).map(({ x }) => x);
+    const left = await page.locator('.introduction').evaluate((one) => one.getBoundingClientRect().right);
+    const right = await page.locator('.views').evaluate((one) => one.getBoundingClientRect().left);
+    expect(Math.min(...corners)).toBeGreaterThan(left);
+    expect(Math.max(...corners)).toBeLessThan(right);
+    expect(Math.max(...corners) - Math.min(...corners)).toBeGreaterThan(0.45 * (right - left));
+    expect(Math.abs((Math.max(...corners) + Math.min(...corners) - left - right) / 2), 'in its middle').toBeLessThan(20);
+  }));
+
+test('no coordinate of the robot file is cut off, and nothing lengthens the page', () =>
+  at(512, 350, 'robot', async (page) => {
+    for (const [width, height] of [[512, 350], [1440, 900]] as const) {
+      await page.setViewportSize({ width, height });
+      if (!(await page.getByTestId('robot-fields').isVisible())) await page.getByTestId('edit-robot').click();
+      await page.getByTestId('robot-fields').waitFor();
+      const cut = () => page.getByTestId('robot-fields').locator('td input').evaluateAll((fields) => (fields as HTMLInputElement[]).filter((field) => field.scrollWidth > field.clientWidth).map(({ value }) => value));
+      expect((await page.getByTestId('limb-2-y').inputValue()).length).toBeGreaterThan(8);
+      expect(await cut()).toEqual([]);
+      expect(await page.evaluate(() => document.body.scrollHeight)).toBe(height);
+    }
+  }));
+
+test('the steps of the tour stay in view in a narrow window', () =>
+  at(390, 844, 'robot', async (page) => {
+    await page.getByRole('button', { name: 'About this view' }).click();
+    const steps = page.getByTestId('tour-next').or(page.getByTestId('tour-end'));
+    for (const outlined of ['section-pose', 'section-virtualization', null]) {
+      await steps.click();
+      await frames(page);
+      const { x, y, width, height } = (await steps.boundingBox())!;
+      expect(y + height).toBeLessThanOrEqual(844);
+      expect(await steps.evaluate((button, [x, y]) => button.contains(document.elementFromPoint(x!, y!)), [x + width / 2, y + height / 2])).toBe(true);
+      if (outlined) expect((await page.locator(`#${outlined}`).boundingBox())!.y).toBeLessThan(700);
+    }
+    await steps.click();
+    expect(await steps.count()).toBe(0);
+  }));
+
+test('a file that is dropped on the robot view is opened, and does not replace the page', () =>
+  at(1280, 720, 'robot', async (page) => {
+    const drop = (name: string, bytes: number[]) =>
+      page.evaluate(
+        ([name, bytes]) => {
+          const dataTransfer = new DataTransfer();
+          dataTransfer.items.add(new File([Uint8Array.from(bytes)], name));
+          const event = (type: string) => new DragEvent(type, { bubbles: true, cancelable: true, dataTransfer });
+          const scene = document.querySelector('.scene')!;
+          return [scene.dispatchEvent(event('dragover')), scene.dispatchEvent(event('drop'))];
+        },
+        [name, bytes] as const,
+      );
+    // An event whose default is not prevented makes the browser open the file.
+    expect(await drop('picture.png', [0x89, 0x50, 0x4e, 0x47, 0xff])).toEqual([false, false]);
+    await page.getByTestId('open-problem').filter({ hasText: 'picture.png is not a text file in UTF-8.' }).waitFor();
+    const mechanism = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/four-bar.toml'));
+    expect(await drop('mine.toml', [...mechanism])).toEqual([false, false]);
+    await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
+    expect(await page.locator('dialog[open]').count()).toBe(0);
+  }));
+
+test('without a mechanism, one note replaces the panels, and the catalogue is one click away', () =>
+  at(390, 844, 'mechanism', async (page) => {
+    await page.getByTestId('dock-note').waitFor();
+    expect(await page.getByTestId('dock-note').count()).toBe(1);
+    expect(await page.locator('[data-dock] section').count()).toBe(0);
+    await page.getByTestId('show-catalogue').click();
+    const entry = page.getByTestId('entry-four-bar');
+    await entry.click();
+    await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
+    await until('the mechanism is in view', async () => ((await page.locator('.scene').boundingBox())!.y) > 0);
+    expect(await page.locator('[data-dock] section').count()).toBeGreaterThan(5);
+  }));
+
+for (const [width, height] of [[320, 568], [390, 844], [512, 350], [720, 450]] as const)
+  test(`the note of an empty mechanism view is next to the cube in a window of ${width} × ${height}`, () =>
+    at(width, height, 'mechanism', async (page) => {
+      const button = (await page.getByTestId('show-catalogue').boundingBox())!;
+      const lines = await page.locator('.empty').evaluate((note) => {
+        const range = document.createRange();
+        range.selectNode(note.firstChild!);
+        return [...range.getClientRects()].map(({ x, y, width, height }) => ({ x, y, width, height }));
+      });
+      expect(lines.length).toBeGreaterThan(0);
+      const scene = (await page.locator('.scene').boundingBox())!;
+      const cube = await page.getByTestId('cube').boundingBox();
+      for (const box of [button, ...lines]) {
+        expect(box.x).toBeGreaterThanOrEqual(scene.x);
+        expect(box.x + box.width).toBeLessThanOrEqual(scene.x + scene.width);
+        expect(box.y + box.height).toBeLessThanOrEqual(scene.y + scene.height);
+        if (cube) expect(box.x + box.width <= cube.x || box.x >= cube.x + cube.width || box.y >= cube.y + cube.height || box.y + box.height <= cube.y, JSON.stringify({ box, cube })).toBe(true);
+      }
+    }));
+
+test('a mechanism of the catalogue is in view after it is opened from the drawer of a small window', () =>
+  at(512, 350, 'mechanism', async (page) => {
+    await page.getByTestId('show-catalogue').click();
+    await page.getByTestId('entry-four-bar').click();
+    await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
+    await page.locator('#drawer-left').waitFor({ state: 'hidden' });
+    expect(await page.getByTestId('drawer-left-button').evaluate((button) => button === document.activeElement)).toBe(true);
+  }));
 
 test('a loading note is visible before the scripts have loaded', async () => {
   expect(await (await fetch(server.address)).text()).toContain('Loading the studio');

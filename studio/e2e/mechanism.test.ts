@@ -304,7 +304,7 @@ test('a file that is not a text is refused, and the mechanism stays', async () =
   await at(['four-bar'], async (page) => {
     await shows(page, 'mechanism-name', 'four-bar linkage');
     await page.getByTestId('mechanism-file').setInputFiles({ name: 'picture.toml', mimeType: 'image/png', buffer: Buffer.from([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, 0, 0, 0, 13]) });
-    await shows(page, 'mechanism-notice', 'picture.toml is not a text file.');
+    await shows(page, 'mechanism-notice', 'picture.toml is not a text file in UTF-8.');
     await shows(page, 'mechanism-name', 'four-bar linkage');
   });
 });

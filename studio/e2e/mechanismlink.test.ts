@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
 import type { Browser, Page } from 'playwright-core';
-import { EXAMPLE_CELL, ROOT, accessibilityViolations, browse, bytesOf, complaints, load, serve, unhandled, until, visit, type Server } from './studio';
+import { EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, load, serve, unhandled, until, visit, type Server } from './studio';
 
 let server: Server;
 let browser: Browser;
@@ -145,6 +145,10 @@ test('the dialog Open opens files of each kind in their view, and remembers them
   await page.getByTestId('open-problem').filter({ hasText: 'kind = "mechanism"' }).waitFor();
   await choose('cell.toml', EXAMPLE_CELL);
   await page.getByTestId('open-problem').filter({ hasText: 'jointplay studio cell.toml' }).waitFor();
+  await choose('mine.program', SHORT_PROGRAM);
+  await page.getByTestId('open-problem').filter({ hasText: 'mine.program is a program of a work cell, and this server was started without one' }).waitFor();
+  await choose('sensor.toml', 'kind = "part"\n');
+  await page.getByTestId('open-problem').filter({ hasText: 'sensor.toml: This is a part of work cells' }).waitFor();
   // A file opens, and is recent afterwards.
   const mine = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/four-bar.toml'), 'utf8').replace(/^name = "[^"]*"/m, 'name = "My linkage"');
   await choose('mine.toml', mine);

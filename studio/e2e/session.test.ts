@@ -303,6 +303,21 @@ test('another cell is opened and downloaded, and the files of the server remain'
   expect(readFileSync(fixture.cellFile, 'utf8')).toBe(EXAMPLE_CELL);
 });
 
+test('a program is opened in the current cell, and undo returns to the previous one', async () => {
+  await checkResult('passed');
+  const before = await text();
+  await page.getByRole('button', { name: 'Robot', exact: true }).click();
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-file').setInputFiles({ name: 'other.program', mimeType: 'text/plain', buffer: Buffer.from('HOME\nGET LP1 SLOT 2 WITH B\n') });
+  await page.locator('dialog[open]').waitFor({ state: 'hidden' });
+  await until('the program is shown', async () => (await text()).includes('GET LP1 SLOT 2 WITH B'));
+  await checkResult('passed');
+  expect(await page.getByTestId('cell-file').innerText()).toBe('mine.toml: Unsaved changes');
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until('the previous program is shown', async () => (await text()) === before);
+  await checkResult('passed');
+});
+
 test('the draft of the files of the server remains while another cell is open', async () => {
   await append('# draft\n');
   await checkResult('passed');

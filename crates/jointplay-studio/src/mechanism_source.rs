@@ -43,9 +43,8 @@ impl From<Option<FileKind>> for FileKindName {
             Some(FileKind::Cell) => Self::Cell,
             Some(FileKind::Study) => Self::Study,
             Some(FileKind::Loops) => Self::Loops,
-            None | Some(FileKind::Part | FileKind::Program | FileKind::Picture | FileKind::Fmu) => {
-                Self::Unknown
-            }
+            Some(FileKind::Program) => Self::Program,
+            None | Some(FileKind::Part | FileKind::Picture | FileKind::Fmu) => Self::Unknown,
         }
     }
 }

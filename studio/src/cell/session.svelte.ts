@@ -499,16 +499,30 @@ export class WorkcellSession {
 
   /** Opens a cell file of this browser, with an empty program; undo returns to the previous texts. */
   async open(name: string, cell: string): Promise<void> {
-    await this.start();
-    if (this.state === 'starting') throw new Error(`${name} was not opened: the cell of the server is not loaded`);
-    await this.#changes.finished;
-    this.#completeEdit();
+    await this.#completeBefore(name);
     this.#store();
     this.#leaveCell();
     this.texts = { cell, program: '' };
     this.points = {};
     this.opened = { name, texts: this.texts };
     this.commit();
+  }
+
+  /** Opens a program of this browser in the current cell; undo returns to the previous program. */
+  async openProgram(name: string, program: string): Promise<void> {
+    await this.#completeBefore(name);
+    this.texts = { ...this.texts, program };
+    this.instruction = null;
+    this.tab = 'program';
+    this.commit();
+  }
+
+  /** Completes changes of the current texts before a file is opened. */
+  async #completeBefore(name: string): Promise<void> {
+    await this.start();
+    if (this.state === 'starting') throw new Error(`${name} was not opened: the cell of the server is not loaded`);
+    await this.#changes.finished;
+    this.#completeEdit();
   }
 
   /** Resets what belongs to the files that are no longer shown. */

@@ -2,18 +2,25 @@
 
 import type { Column } from './columns';
 import type { Virtualization } from './document';
+import type { LengthUnit } from './units';
 
 export type ChannelKind = 'length' | 'angle' | 'time' | 'number';
-export type PlotUnit = 'mm' | 'µm' | 'mrad' | '°' | 's' | '1';
+export type PlotUnit = 'mm' | 'µm' | 'in' | 'mil' | 'mrad' | '°' | 's' | '1';
 
 /** Units in which values of a kind can be plotted; the first one is the default. */
 export const UNITS: Record<ChannelKind, PlotUnit[]> = { length: ['mm', 'µm'], angle: ['°', 'mrad'], time: ['s'], number: ['1'] };
 
 /** Conversion factors from SI to the units of plots. */
-export const FACTORS: Record<PlotUnit, number> = { mm: 1e3, µm: 1e6, mrad: 1e3, '°': 180 / Math.PI, s: 1, '1': 1 };
+export const FACTORS: Record<PlotUnit, number> = { mm: 1e3, µm: 1e6, in: 1e3 / 25.4, mil: 1e6 / 25.4, mrad: 1e3, '°': 180 / Math.PI, s: 1, '1': 1 };
 
 /** The smallest span of an axis in its unit: 2 nm or 20 nrad; smaller values are rounding errors, of about 1e-15 m and 1e-11 rad. */
-export const MIN_SPAN: Record<PlotUnit, number> = { mm: 2e-6, µm: 2e-3, mrad: 2e-5, '°': 1.2e-6, s: 1e-6, '1': 1e-12 };
+export const MIN_SPAN: Record<PlotUnit, number> = { mm: 2e-6, µm: 2e-3, in: 2e-6 / 25.4, mil: 2e-3 / 25.4, mrad: 2e-5, '°': 1.2e-6, s: 1e-6, '1': 1e-12 };
+
+/** The unit in which a plot is displayed: lengths follow the length unit of the page. */
+export function displayedUnit(unit: PlotUnit, length: LengthUnit): PlotUnit {
+  if (length === 'mm') return unit;
+  return unit === 'mm' ? 'in' : unit === 'µm' ? 'mil' : unit;
+}
 
 /** The kind of the values of a column, by the unit in its name. */
 export function kindOf(column: string): ChannelKind {

@@ -11,7 +11,7 @@ test('values have a margin of eight hundredths above and below', () => {
 test('rounding errors are a flat line, motion is not', () => {
   for (const { unit, id } of PLOTS) {
     // Noise as it was seen: some 1e-11 rad and 1e-15 m about a value.
-    const noise = { mm: 1e-15, µm: 1e-15, mrad: 1e-11, '°': 1e-11, s: 0, '1': 0 }[unit] * FACTORS[unit];
+    const noise = { mm: 1e-15, µm: 1e-15, in: 1e-15, mil: 1e-15, mrad: 1e-11, '°': 1e-11, s: 0, '1': 0 }[unit] * FACTORS[unit];
     const [low, high] = verticalRange(3 - noise, 3 + noise, MIN_SPAN[unit]);
     expect((2 * noise) / (high - low), id).toBeLessThan(0.01);
     // A tenth of a micrometre and of a microradian fill their plots.

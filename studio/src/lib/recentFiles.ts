@@ -2,7 +2,7 @@
 
 import { load, save } from './settings';
 
-export const KINDS = ['three_rods', 'mechanism', 'model', 'cell'] as const;
+export const KINDS = ['three_rods', 'mechanism', 'model', 'cell', 'program'] as const;
 export type RecentKind = (typeof KINDS)[number];
 
 export interface RecentFile {

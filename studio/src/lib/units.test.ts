@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { angle, clock, fixed, fromUnit, inUnit, length, metres, millimetres, power, radians, signed, small, smallAngle } from './units';
+import { angle, clock, fileUnit, fixed, fromUnit, inUnit, length, metres, millimetres, power, radians, signed, small, smallAngle } from './units';
 
 test('numbers are formatted', () => {
   const cases: [string, string][] = [
@@ -22,6 +22,10 @@ test('numbers are formatted', () => {
     [clock(3), '0:03.0'],
   ];
   for (const [found, expected] of cases) expect(found).toBe(expected);
+});
+
+test('units of mechanism files have symbols', () => {
+  expect(['um', 'deg', 'mm', 'in', 'rad'].map(fileUnit)).toEqual(['µm', '°', 'mm', 'in', 'rad']);
 });
 
 test('conversion from mm to m shifts the decimal point exactly', () => {

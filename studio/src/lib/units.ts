@@ -42,6 +42,9 @@ export const fromUnit = (value: number, unit: LengthUnit): number => (unit === '
 /** Symbol of the unit in number fields. */
 export const unitName = (unit: LengthUnit): 'mm' | 'in' => (unit === 'mm' ? 'mm' : 'in');
 
+/** Symbol of a unit of mechanism files. */
+export const fileUnit = (unit: string): string => (unit === 'um' ? 'µm' : unit === 'deg' ? '°' : unit);
+
 /** A small length [m] in µm or thousandths of an inch. */
 export function small(m: number, unit: LengthUnit, decimals = 1, plus = false): string {
   const write = plus ? signed : fixed;

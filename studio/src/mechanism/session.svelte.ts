@@ -9,6 +9,7 @@ import type { CameraPose } from '../lib/hashParts';
 import type { MechanismLink, MechanismTab } from '../lib/mechanismLink';
 import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
 import { shownNumber } from '../lib/shownNumber';
+import { textOf } from '../lib/textFile';
 import type { PicturedView } from '../state/picture';
 import type { RecordedView } from '../state/recorder.svelte';
 
@@ -274,12 +275,7 @@ class MechanismSession {
       return;
     }
     try {
-      const texts = await Promise.all(files.map(async (file) => ({ name: file.name, text: await file.text() })));
-      const binary = texts.find(({ text }) => text.includes('\0'));
-      if (binary) {
-        this.notice = `${binary.name} is not a text file.`;
-        return;
-      }
+      const texts = await Promise.all(files.map(async (file) => ({ name: file.name, text: await textOf(file) })));
       const isLoops = ({ name, text }: Model) => /\.ya?ml$/i.test(name) || /^\s*kind\s*=\s*["']loops["']/m.test(text);
       const loops = texts.find(isLoops);
       const other = texts.find((one) => one !== loops);

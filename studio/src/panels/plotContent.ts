@@ -1,10 +1,11 @@
 // What the plots of the robot view show.
 
-import { FACTORS, MIN_SPAN, channelName, kindOf, parseChannel, UNITS, type OwnPlot, type PlotUnit } from '../lib/channels';
+import { FACTORS, MIN_SPAN, channelName, displayedUnit, kindOf, parseChannel, UNITS, type OwnPlot, type PlotUnit } from '../lib/channels';
 import type { Column } from '../lib/columns';
 import { VIRTUALIZATIONS, type Virtualization } from '../lib/document';
 import { PLOTS } from '../lib/figures';
 import { SERIES } from '../lib/series';
+import type { LengthUnit } from '../lib/units';
 import { MODEL_COLOURS, type Theme } from '../scene/palette';
 import { legible } from '../scene/robotScene';
 
@@ -38,9 +39,10 @@ export interface Columns {
 }
 
 /** The contents of all plots that have data. */
-export function plotContents({ selected, own, compared }: Columns, plots: readonly OwnPlot[], theme: Theme): PlotContent[] {
+export function plotContents({ selected, own, compared }: Columns, plots: readonly OwnPlot[], theme: Theme, length: LengthUnit): PlotContent[] {
   const series = (column: Column, i: number, factor: number): ContentLine => ({ name: column.name, symbol: column.symbol, values: column.values, factor, colour: SERIES[theme][i % 6]!, dash: DASHES[i % 6]! });
-  const kinds = PLOTS.map(({ id, title, quantity, unit, compared: comparable }): PlotContent => {
+  const kinds = PLOTS.map(({ id, title, quantity, unit: metric, compared: comparable }): PlotContent => {
+    const unit = displayedUnit(metric, length);
     const of = (columns: readonly Column[]) => columns.filter((one) => one.quantity === quantity);
     const factor = FACTORS[unit];
     const lines =
@@ -56,7 +58,8 @@ export function plotContents({ selected, own, compared }: Columns, plots: readon
     const columns = model === null || model === selected ? own : compared.find((one) => one.model === model)?.columns;
     return columns?.find(({ name }) => name === column);
   };
-  const defined = plots.map(({ id, x: horizontal, y, unit }): PlotContent => {
+  const defined = plots.map(({ id, x: horizontal, y, unit: metric }): PlotContent => {
+    const unit = displayedUnit(metric, length);
     const lines = y.flatMap((key, i) => {
       const column = find(key);
       if (!column) return [];
@@ -64,7 +67,7 @@ export function plotContents({ selected, own, compared }: Columns, plots: readon
       return [{ ...series(column, i, FACTORS[unit]), name: key, symbol: model ? `${model} ${column.symbol}` : column.symbol }];
     });
     const column = horizontal === null ? null : find(horizontal);
-    const xUnit = column ? UNITS[kindOf(column.name)][0]! : null;
+    const xUnit = column ? displayedUnit(UNITS[kindOf(column.name)][0]!, length) : null;
     const x = column && xUnit ? { title: channelName(column), unit: xUnit, values: column.values, factor: FACTORS[xUnit], minSpan: MIN_SPAN[xUnit] } : null;
     // Without its horizontal quantity, such as a joint of another model, a plot has no data.
     const known = horizontal === null || x !== null;

@@ -195,6 +195,11 @@ export class RobotModel {
     this.group.add(this.ghost);
   }
 
+  /** Points of the outline of the platform in the base frame [mm]. */
+  corners(): Vector3[] {
+    return this.lines[0]!.map(([x, y]) => new Vector3(x, y, 0).applyMatrix4(this.platform.matrix));
+  }
+
   /** Replaces a generated part by a mesh of the robot file. */
   setMesh(part: 'base' | 'platform', mesh: Object3D): void {
     disposeGeometries(this[part]);

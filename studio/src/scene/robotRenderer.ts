@@ -28,6 +28,10 @@ const FIELD_OF_VIEW = 28;
 /** Height of the play scale below the view, and the area of the button at its upper left [px]. */
 const FOOTER = 76;
 const BUTTON = { left: 0, right: 136, top: 0, bottom: 46 } as const;
+/** Views of at most this height, and wider than this width, have their buttons in a row above the robot, as in the style sheet [px]. */
+const LOW_VIEW = { height: 350, width: 600 } as const;
+/** Width at the right of other views with view cube and buttons [px]. */
+const COLUMN = 104;
 /** Height of the ground [mm]. */
 const FLOOR = -SIZES.flange - SIZES.housing;
 
@@ -108,6 +112,15 @@ export class RobotRenderer extends SceneRenderer {
   extent(part: 'base' | 'platform'): number[] {
     const box = this.#robot ? new Box3().setFromObject(this.#robot[part]) : new Box3();
     return box.getSize(new Vector3()).toArray();
+  }
+
+  /** Positions of the corners of the platform on the page [px]. */
+  platformOnPage(): { x: number; y: number }[] {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    return (this.#robot?.corners() ?? []).map((corner) => {
+      const { x, y } = corner.project(this.camera);
+      return { x: left + ((x + 1) / 2) * this.size.width, y: top + ((1 - y) / 2) * this.size.height };
+    });
   }
 
   set covered(width: number) {
@@ -217,9 +230,9 @@ export class RobotRenderer extends SceneRenderer {
     const right = reference.clone().cross(direction).normalize();
     const up = direction.clone().cross(right);
     const full = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.82;
-    const { left, bottom } = this.#coveredNow;
-    const halfWidth = (full * Math.max(this.size.width - left, 200)) / this.size.height;
-    const halfHeight = (full * Math.max(this.size.height - bottom, 120)) / this.size.height;
+    const { left, right: covered, top, bottom } = this.#coveredNow;
+    const halfWidth = (full * Math.max(this.size.width - left - covered, 200)) / this.size.height;
+    const halfHeight = (full * Math.max(this.size.height - top - bottom, 120)) / this.size.height;
     let distance = 1;
     for (let index = 0; index < 8; index++) {
       const corner = new Vector3(...([1, 2, 4].map((bit, i) => ((index & bit) > 0 ? box.max : box.min).getComponent(i)) as [number, number, number]));
@@ -265,8 +278,20 @@ export class RobotRenderer extends SceneRenderer {
   }
 
   /** What other elements cover of the view [px]; nothing in pictures for export. */
-  get #coveredNow(): { left: number; bottom: number } {
-    return this.exporting ? { left: 0, bottom: 0 } : { left: this.#covered, bottom: FOOTER };
+  get #coveredNow(): { left: number; right: number; top: number; bottom: number } {
+    if (this.exporting) return { left: 0, right: 0, top: 0, bottom: 0 };
+    if (this.#isBelowRows) return { left: this.#covered, right: 0, top: this.coveredRows.top * this.size.height, bottom: FOOTER };
+    // The playground has neither buttons nor cube.
+    const column = this.coveredBoxes().length > 0 ? COLUMN : 0;
+    // Views that are low and narrow have the buttons at the left, and the cube at the right.
+    const buttons = this.size.height <= LOW_VIEW.height ? column : 0;
+    return { left: this.#covered + buttons, right: column, top: 0, bottom: FOOTER };
+  }
+
+  /** Whether buttons take rows above the robot, and no column next to it. */
+  get #isBelowRows(): boolean {
+    const { width, height } = this.size;
+    return this.isNarrow || (height <= LOW_VIEW.height && width > LOW_VIEW.width);
   }
 
   #updateProjection(): void {
@@ -277,7 +302,8 @@ export class RobotRenderer extends SceneRenderer {
     if (this.camera === this.#orthographic)
       Object.assign(this.#orthographic, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
     const { width, height } = this.size;
-    this.camera.setViewOffset(width, height, -this.#coveredNow.left / 2, this.#coveredNow.bottom / 2, width, height);
+    const { left, right, top, bottom } = this.#coveredNow;
+    this.camera.setViewOffset(width, height, (right - left) / 2, (bottom - top) / 2, width, height);
     this.camera.updateProjectionMatrix();
   }
 
@@ -292,7 +318,7 @@ export class RobotRenderer extends SceneRenderer {
     if (!this.#picture || !this.#robot) return null;
     const axes: AxisArrow[] = [];
     const labels = updateRobotScene(this.#picture, this.#robot, this.#annotations, this.vectors ? axes : null);
-    return { labels, axes, covered: { left: this.#covered + 10, right: 104 }, occupied: [BUTTON, { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
+    return { labels, axes, covered: { left: this.#covered + 10, right: this.isNarrow ? 8 : COLUMN }, occupied: [BUTTON, this.cornerBox(0), { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
   }
 
   // The pointer

@@ -240,7 +240,7 @@ export abstract class SceneRenderer {
     const center = box.getCenter(new Vector3());
     const reach = box.getSize(new Vector3()).length() / 2;
     const aspect = Math.min(camera.aspect, 1);
-    const { top, bottom } = this.#coveredRows;
+    const { top, bottom } = this.isNarrow ? this.coveredRows : { top: 0, bottom: 0 };
     // From the home direction, a box fills about two thirds of its sphere.
     const free = Math.sqrt(1 - top - bottom);
     const distance = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect / free;
@@ -405,11 +405,15 @@ export abstract class SceneRenderer {
     });
   }
 
-  /** Shares of the height of a narrow view that elements of the page cover at its top and at its bottom; in wide views they are in corners. */
-  get #coveredRows(): { top: number; bottom: number } {
-    const { width, height } = this.size;
+  /** Whether elements over the view take whole rows. */
+  protected get isNarrow(): boolean {
+    return this.size.width <= NARROW_VIEW;
+  }
+
+  /** Shares of the height of the view that elements of the page cover at its top and at its bottom, where they take whole rows. */
+  protected get coveredRows(): { top: number; bottom: number } {
+    const { height } = this.size;
     const rows = { top: 0, bottom: 0 };
-    if (width > NARROW_VIEW) return rows;
     for (const { top, bottom } of this.coveredBoxes())
       if (top < height - bottom) rows.top = Math.min(Math.max(rows.top, bottom / height), MOST_COVERED);
       else rows.bottom = Math.min(Math.max(rows.bottom, (height - top) / height), MOST_COVERED);

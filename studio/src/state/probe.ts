@@ -58,6 +58,9 @@ class TestProbe {
   /** Extents of the meshes of the robot file along x, y and z [mm]. */
   meshExtents: Record<string, number[]> = {};
 
+  /** Positions of the corners of the platform on the page, while the robot view is open [px]. */
+  platform: (() => { x: number; y: number }[]) | null = null;
+
   /** Number of frames rendered in the cell view. */
   cellFrames = 0;
   /** Contents of the cell view, while it is open. */

@@ -98,6 +98,8 @@ pub(crate) enum FileKindName {
     Study,
     /// Loops that close a model.
     Loops,
+    /// A program of a work cell.
+    Program,
     /// A text that declares no known kind.
     Unknown,
 }
