@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import { readFileSync } from 'node:fs';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { ROOT, browse, complaints, drawn, frames, load, serve, until, visit, type Server } from './studio';
+import { ROOT, browse, complaints, drawn, frames, load, reload, serve, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -103,6 +103,21 @@ for (const [width, height] of [[320, 568], [390, 844], [500, 900], [512, 350], [
         expect(covered, view).toEqual([]);
       }
     }));
+
+test('nothing covers the platform in the low view above plots, also after the page was loaded again', () =>
+  at(1280, 720, 'robot', async (page) => {
+    await page.getByTestId('slider-tilt').fill('1');
+    await until('a link to the pose', async () => page.url().includes('pose='));
+    await reload(page);
+    await drawn(page);
+    await page.getByTestId('figure').selectOption('6');
+    await until('samples', async () => Number(await page.getByTestId('sample').getAttribute('data-count')) > 0);
+    await frames(page, 10);
+    expect((await page.locator('.scene').boundingBox())!.height).toBeLessThanOrEqual(350);
+    const buttons = (await page.locator('.views').boundingBox())!;
+    const corners = await page.evaluate(() => window.jointplay.probe.platform!());
+    expect(Math.min(...corners.map(({ y }) => y)), 'below the buttons').toBeGreaterThan(buttons.y + buttons.height);
+  }));
 
 test('the play scale can be moved next to the robot editor', () =>
   at(1024, 700, 'robot', async (page) => {

@@ -162,6 +162,11 @@ export class RobotRenderer extends SceneRenderer {
     };
   }
 
+  /** The view, unless it is the initial one, which depends on the size of the window. */
+  get chosenView(): View | null {
+    return this.#initialView ? null : this.view;
+  }
+
   set view(view: View) {
     this.#initialView = false;
     this.#useCamera(view.projection === 'perspective' ? this.#perspective : this.#orthographic);
@@ -188,7 +193,6 @@ export class RobotRenderer extends SceneRenderer {
 
   /** Shows the robot from a standard direction. */
   look(side: StandardView, box = this.#bounds()): void {
-    this.#initialView = false;
     const [x, y, z] = STANDARD_VIEWS[side];
     this.#showBox(new Vector3(x, y, z).normalize(), box);
   }
@@ -244,6 +248,7 @@ export class RobotRenderer extends SceneRenderer {
   }
 
   #moveCamera(direction: Vector3, center: Vector3, distance: number, zoom: number): void {
+    this.#initialView = false;
     const from = { eye: this.camera.position.clone(), target: this.controls.target.clone(), zoom: this.camera.zoom };
     const eye = center.clone().addScaledVector(direction, distance);
     const interpolate = (share: number) => {

@@ -82,7 +82,7 @@ export class Studio {
   /** The camera of the link, until the 3D view has taken it over. */
   linkedView: View | null = null;
   /** Returns the camera of the 3D view, once there is one. */
-  readView: (() => View) | null = null;
+  readView: (() => View | null) | null = null;
   readonly study = new Study();
   readonly comparison = new Comparison();
   readonly file = new RobotFile({ opened: (robot) => this.#showRobot(robot), committed: () => this.commit() });
