@@ -1,6 +1,7 @@
 //! Units in which text shows lengths of mechanisms and displacements of virtual joints.
 
 use jointplay::format::mechanism::LengthUnit;
+use jointplay::format::number::fixed;
 use jointplay::format::units::m_from_mm;
 
 /// A length of a report in another unit.
@@ -20,12 +21,13 @@ impl PlayUnits {
         Self { is_inch: length == LengthUnit::Inch }
     }
 
-    /// A length of a report, with its unit.
-    pub(crate) fn length(self, length_mm: f64) -> (f64, &'static str) {
+    /// The text of a length of a report, to some 10 nm.
+    pub(crate) fn length(self, length_mm: f64) -> String {
         if self.is_inch {
-            (in_unit(LengthUnit::Inch, length_mm), LengthUnit::Inch.name())
+            let inches = in_unit(LengthUnit::Inch, length_mm);
+            format!("{} {}", fixed(inches, 6), LengthUnit::Inch.name())
         } else {
-            (length_mm, "mm")
+            format!("{} mm", fixed(length_mm, 5))
         }
     }
 
@@ -47,12 +49,11 @@ mod tests {
     #[test]
     fn displacements_follow_the_unit_of_the_file() {
         let metric = PlayUnits::of(LengthUnit::Meter);
-        assert_eq!(
-            (metric.length(2.0), metric.displacement(3.0, "um")),
-            ((2.0, "mm"), (3.0, "µm"))
-        );
+        assert_eq!(metric.length(2.0), "2.00000 mm");
+        assert_eq!(metric.displacement(3.0, "um"), (3.0, "µm"));
         let inch = PlayUnits::of(LengthUnit::Inch);
-        assert_eq!((inch.length(25.4), inch.displacement(50.8, "um")), ((1.0, "in"), (2.0, "mil")));
+        assert_eq!(inch.length(25.4), "1.000000 in");
+        assert_eq!(inch.displacement(50.8, "um"), (2.0, "mil"));
         assert_eq!(inch.displacement(3.0, "mrad"), (3.0, "mrad"));
     }
 }

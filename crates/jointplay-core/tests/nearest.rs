@@ -52,12 +52,12 @@ fn four_bars_close_where_a_scan_of_the_crank_finds_the_nearest() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 6, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 4, ..ProptestConfig::default() })]
 
-    /// A lift of ten stages with every pin turned by up to 70°: corrections of the joints alone close about half of such starts.
+    /// A lift of sixteen stages with every pin turned by up to 45°: corrections of the joints alone close one of five such guesses.
     #[test]
-    fn guesses_of_many_loops_close(turns in prop::collection::vec(-1.2..1.2_f64, 29)) {
-        let mechanism = scissor_lift(10);
+    fn guesses_of_many_loops_close(turns in prop::collection::vec(-0.8..0.8_f64, 47)) {
+        let mechanism = scissor_lift(16);
         let start = guess(&mechanism);
         let start = DVector::from_fn(start.len(), |k, _| start[k] + turns[k]);
         let found = nearest_closure(&mechanism, &start, &[], 30).unwrap();

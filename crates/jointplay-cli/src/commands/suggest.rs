@@ -312,10 +312,7 @@ fn single_text(input: &Input, commands: &[SingleCommandReport]) -> String {
                 let unit = input.find(&one.coordinate).map_or("", |k| input.coordinates.unit(k));
                 let by = format!("{} ±{} {unit}", one.coordinate, fixed(one.by, 3));
                 match one.size_mm {
-                    Some(size) => {
-                        let (size, unit) = units.length(size);
-                        format!("{by} by {} {unit}", fixed(size, 5))
-                    }
+                    Some(size) => format!("{by} by {}", units.length(size)),
                     None => by,
                 }
             })
@@ -388,10 +385,7 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) 
     };
     let least = match report.lower_bound_mj {
         Some(energy) => format!("{} mJ", fixed(energy, 5)),
-        None => {
-            let (least, unit) = units.length(report.lower_bound_mm);
-            format!("{} {unit}", fixed(least, 5))
-        }
+        None => units.length(report.lower_bound_mm),
     };
     let _ = writeln!(
         text,
@@ -409,9 +403,8 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) 
         };
         let energy = set.energy_mj.map(|energy| format!("energy {} mJ, ", fixed(energy, 5)));
         let energy = energy.unwrap_or_default();
-        let (size, unit) = units.length(set.size_mm);
-        let size = fixed(size, 5);
-        let _ = writeln!(text, "{}. {energy}displacement {size} {unit}{alike}", n + 1);
+        let size = units.length(set.size_mm);
+        let _ = writeln!(text, "{}. {energy}displacement {size}{alike}", n + 1);
         for joint in &set.virtual_joints {
             let (largest, unit) = units.displacement(joint.largest, joint.unit);
             let name = &joint.virtual_joint.name;

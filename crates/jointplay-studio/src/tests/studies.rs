@@ -250,7 +250,9 @@ fn deadlines_end_long_computations() {
             };
             tokio::spawn(async move { work.run(busy).await.is_ok() });
         }
+        let start = Instant::now();
         while hurried.work.running() < workers {
+            assert!(start.elapsed().as_secs() < 60, "not all workers are busy");
             tokio::task::yield_now().await;
         }
         let pose = r#"{"command": {"kind": "rods", "rods_m": [0.5, 0.5, 0.5]}}"#;

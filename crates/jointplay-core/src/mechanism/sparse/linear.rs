@@ -153,7 +153,7 @@ impl JointRow {
         &motions.all[self.allowed[0]..self.allowed[1]]
     }
 
-    /// The part of a twist, or of a wrench, that the joint does not allow, and of what it resists.
+    /// The part of a twist, or of a wrench, that the joint does not allow, and the share [`Motions::resistance`] of the part that it does.
     fn refused(&self, motions: &Motions, of: &Vector6<f64>) -> Vector6<f64> {
         let allowed = self.allowed(motions);
         if allowed.len() == MOST {
