@@ -1192,3 +1192,42 @@ fn the_default_range_of_a_motion_is_within_the_limits() {
     assert_eq!(driven[0].as_f64(), Some(5.0), "{}", run.stdout);
     assert!(driven.iter().all(|one| one.as_f64().unwrap() >= 5.0), "{}", run.stdout);
 }
+
+/// Three parallel cranks, the third longer by e: rigid links nearly close at every angle and exactly only where they are flat, far from the guess. Play takes up e along the crank, in closed form.
+#[test]
+fn a_crank_that_is_too_long_needs_its_excess_as_play_at_every_angle() {
+    let excess = 0.001;
+    let [bx, by] = [40.0_f64.to_radians().cos(), 40.0_f64.to_radians().sin()];
+    let mut file = HEAD.replace("\"mm\"", "\"in\"");
+    let bases = [[0.0, 0.0], [3.0, 0.0], [7.0, 1.0]];
+    for (k, [x, y]) in bases.into_iter().enumerate() {
+        let crank = format!("crank {k}");
+        file += &joint(&format!("A{k}"), "revolute", ["ground", &crank], [x, y, 0.0], Z);
+        file += if k == 0 { "actuated = true\n" } else { "" };
+        let tip = |length: f64| [x + length * bx, y + length * by, 0.0];
+        if k < 2 {
+            file += &joint(&format!("B{k}"), "revolute", [&crank, "table"], tip(2.0), Z);
+        } else {
+            let [on_crank, on_table] = [tip(2.0 + excess), tip(2.0)];
+            file += &format!(
+                "[[joint]]\nname = \"B2\"\nkind = \"revolute\"\nlinks = [\"crank 2\", \"table\"]\nframes = [{{ point = {on_crank:?}, axis = [0, 0, 1] }}, {{ point = {on_table:?}, axis = [0, 0, 1] }}]\n"
+            );
+        }
+    }
+    for (name, slide) in [("x", "[1, 0, 0]"), ("y", "[0, 1, 0]")] {
+        file += &format!(
+            "[[virtual_joint]]\nname = \"play {name}\"\njoint = \"B2\"\nslide = {slide}\nclearance = 0.0015\n"
+        );
+    }
+    let sandbox = Sandbox::new();
+    sandbox.write("cranks.toml", &file);
+    for angle in [0.0, 5.0, 10.0, 20.0, 45.0, 60.0, 80.0, 100.0, 120.0, -20.0, -90.0_f64] {
+        let found = sandbox.json(&format!("mobility cranks.toml --at A0={angle}"));
+        let direction = (40.0 + angle).to_radians();
+        for (name, expected) in [("play x", direction.cos()), ("play y", direction.sin())] {
+            let play = found["virtual_joints"][name].as_f64().unwrap();
+            // The other cranks may turn by a small angle, which changes the play by its square.
+            assert!((play - excess * expected).abs() < 1e-3 * excess, "{angle}: {found}");
+        }
+    }
+}

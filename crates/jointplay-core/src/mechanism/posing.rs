@@ -13,10 +13,16 @@ use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
 use super::unassembled::{NEARLY_CLOSED, Unassembled};
 use crate::Error;
-use crate::constraint::System as _;
+use crate::constraint::{System as _, units};
 
 /// Number of other starts, if the guess does not close.
 const STARTS: usize = 30;
+/// Actuators that move by more than this multiple of the root of the mismatch at their guesses lead to another configuration: near a singular one, a closure is as far as that root.
+const FAR: f64 = 4.0;
+/// Longest and shortest step to a command, and the farthest command that is reached in steps, in radians and characteristic lengths.
+const LONGEST_STEP: f64 = 0.5;
+const SHORTEST_STEP: f64 = 0.03;
+const FARTHEST: f64 = 20.0;
 /// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
 const CORRECTIONS: usize = 200;
 
@@ -71,7 +77,7 @@ pub fn close_commanded(
 
 /// The configuration that displacements of virtual joints are counted from: closed, or with loops that the virtual joints close.
 ///
-/// Rigid loops of measured dimensions do not close: then it is the one of least displacement with the actuators at their guesses, with the virtual joints back at rest, so that the loops miss there by the play that they need.
+/// Rigid loops of measured dimensions do not close, or only far from the guess: then it is the one of least displacement with the actuators at their guesses, with the virtual joints back at rest, so that the loops miss there by the play that they need.
 ///
 /// # Arguments
 /// * `tolerance` – as for [`close_commanded`]
@@ -79,12 +85,35 @@ pub fn close_commanded(
 /// # Errors
 /// Those of [`close_commanded`].
 pub fn close_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Closure, Error> {
-    match close_commanded(mechanism, &[], tolerance) {
-        Err(Error::NotAssembled(found)) if !mechanism.virtual_joints().is_empty() => {
+    let closed = close_commanded(mechanism, &[], tolerance);
+    if mechanism.virtual_joints().is_empty() {
+        return closed;
+    }
+    match closed {
+        Err(Error::NotAssembled(found)) => {
             at_rest_by_play(mechanism).map_err(|_| Error::NotAssembled(found))
+        }
+        Ok(home) if is_beyond_near_miss(mechanism, &home)? => {
+            at_rest_by_play(mechanism).or(Ok(home))
         }
         closed => closed,
     }
+}
+
+/// Whether rigid links nearly close with the actuators at their guesses, and close exactly only far from there: a correction follows a motion that nearly closes as far as it has to.
+fn is_beyond_near_miss(mechanism: &Mechanism, home: &Closure) -> Result<bool, Error> {
+    if !MechanismSystem::fits(mechanism) {
+        return Ok(false);
+    }
+    let Some(near) = near_at_guess(mechanism)?.filter(|near| !near.is_closed()) else {
+        return Ok(false);
+    };
+    let system = MechanismSystem::new(mechanism, guess(mechanism))?;
+    let units = units(system.kinematics().dimensions(), system.characteristic_length());
+    let by = system.kinematics().displacement(system.home(), &home.coordinates);
+    let actuated = mechanism.actuated_coordinates().into_iter();
+    let moved = actuated.map(|k| (by[k] / units[k]).abs()).fold(0.0, f64::max);
+    Ok(moved > FAR * near.residual.sqrt())
 }
 
 /// The configuration of the rigid links from which virtual joints are suggested: closed, or where measured dimensions miss a closure by little.
@@ -118,6 +147,12 @@ fn is_near_miss(mechanism: &Mechanism) -> Result<bool, Error> {
     Ok(!near.is_closed() && near.residual <= NEARLY_CLOSED)
 }
 
+/// The actuated coordinates with their guesses (m, rad).
+fn actuators_at_guess(mechanism: &Mechanism) -> Vec<(usize, f64)> {
+    let start = guess(mechanism);
+    mechanism.actuated_coordinates().into_iter().map(|k| (k, start[k])).collect()
+}
+
 /// The near miss with the actuators at their guesses, if there is one: without them held, a least mismatch may be far along a motion that nearly closes.
 fn near_at_guess(mechanism: &Mechanism) -> Result<Option<Closure>, Error> {
     let actuated = mechanism.actuated_coordinates();
@@ -138,12 +173,10 @@ fn at_rest_by_play(mechanism: &Mechanism) -> Result<Closure, Error> {
 
 /// The least displacement of the virtual joints that closes the loops with the actuators at their guesses.
 fn relief_at_guess(mechanism: &Mechanism) -> Result<Relief, Error> {
-    let start = guess(mechanism);
-    let actuated = mechanism.actuated_coordinates();
-    let commands: Vec<(usize, f64)> = actuated.into_iter().map(|k| (k, start[k])).collect();
     let (residual, iterations) = (f64::INFINITY, 0);
-    let open = Closure { coordinates: start, residual, iterations, is_searched: false };
-    relieve_from(mechanism, &open, &commands)
+    let coordinates = guess(mechanism);
+    let open = Closure { coordinates, residual, iterations, is_searched: false };
+    relieve_from(mechanism, &open, &actuators_at_guess(mechanism))
 }
 
 /// The closed configuration from the guess, or one that is accepted in its place.
@@ -226,7 +259,7 @@ pub fn pose_commanded(
         Err(Error::NotAssembled(found)) if !mechanism.virtual_joints().is_empty() => {
             let (relief, is_searched) = if is_relieved {
                 let home = close_at_rest(mechanism, tolerance)?;
-                (relieve_from(mechanism, &home, commands)?, home.is_searched)
+                (relieve_near(mechanism, &home, commands)?, home.is_searched)
             } else {
                 let relief = relief_at_guess(mechanism);
                 (relief.map_err(|_| Error::NotAssembled(found))?, false)
@@ -255,10 +288,38 @@ pub fn relieve_commanded(
     commands: &[(usize, f64)],
     tolerance: Option<f64>,
 ) -> Result<Relief, Error> {
-    relieve_from(mechanism, &close_at_rest(mechanism, tolerance)?, commands)
+    relieve_near(mechanism, &close_at_rest(mechanism, tolerance)?, commands)
 }
 
-/// The relief from a closed configuration without commands.
+/// The relief from a closed configuration without commands, in steps that are so short that each is on the branch of the one before; where there is none, the relief from the closed configuration itself.
+fn relieve_near(
+    mechanism: &Mechanism,
+    home: &Closure,
+    commands: &[(usize, f64)],
+) -> Result<Relief, Error> {
+    let system = MechanismSystem::new(mechanism, home.coordinates.clone())?;
+    let units = units(system.kinematics().dimensions(), system.characteristic_length());
+    let by = |&(k, to): &(usize, f64)| ((to - home.coordinates[k]) / units[k]).abs();
+    let distance = commands.iter().map(by).fold(0.0, f64::max);
+    let mut step = (LONGEST_STEP / distance).min(1.0);
+    let (mut here, mut done) = (home.clone(), 0.0);
+    while step * distance >= SHORTEST_STEP && distance <= FARTHEST {
+        let share = 1.0_f64.min(done + step);
+        let toward = |&(k, to): &(usize, f64)| match share {
+            1.0 => (k, to),
+            _ => (k, home.coordinates[k] + share * (to - home.coordinates[k])),
+        };
+        let part: Vec<(usize, f64)> = commands.iter().map(toward).collect();
+        match relieve_from(mechanism, &here, &part) {
+            Ok(relief) if share < 1.0 => (here.coordinates, done) = (relief.coordinates, share),
+            Err(_) => step *= 0.5,
+            reached => return reached,
+        }
+    }
+    relieve_from(mechanism, home, commands)
+}
+
+/// The relief from one configuration.
 fn relieve_from(
     mechanism: &Mechanism,
     home: &Closure,
