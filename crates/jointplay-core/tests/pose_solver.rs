@@ -95,6 +95,70 @@ proptest! {
     }
 }
 
+/// Poses of all tilts in one column, also those without polynomials and without an answer, and quantities that are wanted twice.
+#[test]
+fn many_poses_of_all_tilts_and_none() {
+    let gpr = Gpr::paper().without_limit_checks();
+    let mut rods: Vec<[f64; 3]> = Vec::new();
+    for i in 0..500 {
+        let tilt_angle = if i % 3 == 0 { 0.02 } else { 0.08 + 0.2 * f64::from(i % 7) };
+        let tilt = Tilt { azimuth: f64::from(i), angle: tilt_angle };
+        rods.push(gpr.inverse(tilt, AxisHeight(0.5)).unwrap());
+    }
+    rods[7] = [f64::NAN, 0.5, 0.5];
+    rods[10] = [0.5, 0.5, 1e60];
+    rods[12] = [0.5; 3];
+    let columns = [0, 1, 2].map(|k| rods.iter().map(|rods| rods[k]).collect::<Vec<_>>());
+    let quantities = [
+        Quantity::Torsion,
+        Quantity::VirtualJoint(1),
+        Quantity::Residual,
+        Quantity::VirtualJoint(1),
+        Quantity::Origin(2),
+        Quantity::Torsion,
+        Quantity::Torsion,
+    ];
+    for (model, solver) in pairs() {
+        let options = SolveOptions { solver, ..SolveOptions::default() };
+        let prepared = PoseSolver::new(&gpr, model, &options).unwrap();
+        for count in [500, 5, 1] {
+            let given = [0, 1, 2].map(|k| Column::from(&columns[k][..count]));
+            let compute = |prepared: Option<&PoseSolver>| {
+                let mut status = vec![Status::NotFinite; count];
+                let mut found = vec![vec![0.0; count]; quantities.len()];
+                let mut wanted: Vec<_> = quantities
+                    .iter()
+                    .zip(&mut found)
+                    .map(|(quantity, column)| (*quantity, &mut column[..]))
+                    .collect();
+                match prepared {
+                    Some(prepared) => prepared.forward_many(given, &mut status, &mut wanted),
+                    None => {
+                        gpr.forward_many(given, model.model(), &options, &mut status, &mut wanted)
+                    }
+                }
+                .unwrap();
+                (status, found)
+            };
+            let (status, found) = compute(Some(&prepared));
+            let (expected_status, expected) = compute(None);
+            assert_eq!(status, expected_status, "{model:?} {solver}");
+            for (column, expected) in found.iter().zip(&expected) {
+                for (i, (found, expected)) in column.iter().zip(expected).enumerate() {
+                    let same = found.to_bits() == expected.to_bits()
+                        || found.is_nan() && expected.is_nan();
+                    assert!(same || i % 3 == 0, "{model:?} {solver} {i}");
+                    let near = (found - expected).abs() < 1e-12 || expected.is_nan();
+                    assert!(near && found.is_nan() == expected.is_nan(), "{model:?} {solver} {i}");
+                }
+            }
+            assert_eq!(format!("{:?}", found[0]), format!("{:?}", found[5]));
+            assert_eq!(format!("{:?}", found[0]), format!("{:?}", found[6]));
+            assert_eq!(format!("{:?}", found[1]), format!("{:?}", found[3]));
+        }
+    }
+}
+
 const SOLVERS: [Solver; 3] = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm];
 
 /// Beyond the tilts for which it has polynomials, a solver computes as the robot does.

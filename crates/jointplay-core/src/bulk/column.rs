@@ -62,12 +62,15 @@ impl<'a> Column<'a> {
         self.values[index * self.stride]
     }
 
+    /// The whole registers of a contiguous column; none of another.
+    #[inline(always)]
+    pub(super) fn registers<S: Simd>(&self) -> &'a [S::f64s] {
+        if self.stride == 1 { S::as_simd_f64s(&self.values[..self.len]).0 } else { &[] }
+    }
+
     /// The entries from `first` on, side by side; beyond the end the last one again.
     #[inline(always)]
     pub(super) fn lanes<S: Simd>(&self, simd: S, first: usize) -> Lanes<S> {
-        if self.stride == 1 && first + Lanes::<S>::COUNT <= self.len {
-            return Lanes::of(simd, &self.values[..self.len][first..first + Lanes::<S>::COUNT]);
-        }
         if self.stride == 0 {
             return Lanes::splat(simd, self.at(0));
         }

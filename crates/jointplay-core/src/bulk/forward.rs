@@ -2,20 +2,20 @@
 
 use std::marker::PhantomData;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
-use super::singular_values;
+use super::blocks::{Blocks, Within};
+use super::results::{PLACES, place};
 use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
-use crate::gpr::{Gpr, Limits, PlatformPose};
+use crate::gpr::{Gpr, PlatformPose};
 use crate::kernel::{
-    self, Balls, ByPolynomials, ClosedForm, FirstStep, Found, Geometry, JointPolynomials, Lanes,
-    LeastNorm, Mask, Method, Model, Newton, Offset, Order, Planar, Plane, PlatformPoses, Polar,
-    Radial, Shape, Task, Three,
+    ByPolynomials, ClosedForm, FirstStep, JointPolynomials, LeastNorm, Method, Model, Newton,
+    Offset, Order, Planar, Polar, Radial, Task,
 };
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
-use crate::virtualization::{BuiltIn, SolveOptions, Solver, Virtualization, signed_area};
+use crate::virtualization::{BuiltIn, SolveOptions, Solver, Virtualization};
 
 impl Gpr {
     /// Platform poses for many sets of rods; see [`Self::forward`].
@@ -101,32 +101,59 @@ impl Work<'_, '_> {
         match self.first_step.or(own.as_ref()) {
             // The kernel always takes one step.
             Some(first_step) if self.options.max_iterations > 0 => {
-                let polynomials = self.polynomials;
-                let task = Task { first_step: Some(first_step), polynomials, ..task };
+                let task = Task { first_step: Some(first_step), ..task };
                 // What a model never asks for is not compiled for it.
-                match (task.solver, polynomials.map(JointPolynomials::order)) {
-                    (Solver::Newton, _) => self.by_method::<M, Newton>(task),
+                match (task.solver, self.polynomials) {
                     (Solver::ClosedForm, _) if M::CLOSED_FORM => {
-                        self.by_method::<M, ClosedForm>(task)
+                        self.by_method::<M, _>(task, ClosedForm)
                     }
-                    (_, Some(Order::Three)) if M::SETTLES => {
-                        self.by_method::<M, ByPolynomials<3>>(task)
-                    }
-                    (_, Some(Order::Four)) if M::SETTLES => {
-                        self.by_method::<M, ByPolynomials<4>>(task)
-                    }
-                    _ => self.by_method::<M, LeastNorm>(task),
+                    (_, Some(polynomials)) if M::SETTLES => match polynomials.order() {
+                        Order::Three => {
+                            self.by_method::<M, _>(task, ByPolynomials::<3>(polynomials))
+                        }
+                        Order::Four => {
+                            self.by_method::<M, _>(task, ByPolynomials::<4>(polynomials))
+                        }
+                    },
+                    (Solver::Newton, _) => self.by_method::<M, _>(task, Newton),
+                    _ => self.by_method::<M, _>(task, LeastNorm),
                 }
             }
             _ => self.one_by_one(0..self.status.len()),
         }
     }
 
-    fn by_method<M: Model, W: Method>(&mut self, task: Task<'_>) -> Result<(), Error> {
+    fn by_method<M: Model, W: Method>(&mut self, task: Task<'_>, method: W) -> Result<(), Error> {
         let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
-        let kernel = PhantomData::<(M, W)>;
-        let doubtful = Arch::new().dispatch(Blocks { work: &mut *self, task, limits, kernel });
-        if doubtful { self.by_scalar_kernel() } else { Ok(()) }
+        let model = PhantomData::<M>;
+        let blocks = Blocks { work: &mut *self, task, limits, model, method };
+        let doubtful = Arch::new().dispatch(blocks);
+        if doubtful { self.the_rest() } else { Ok(()) }
+    }
+
+    /// Poses that a kernel has left.
+    fn the_rest(&mut self) -> Result<(), Error> {
+        if self.polynomials.is_some() {
+            self.without_polynomials()
+        } else {
+            self.by_scalar_kernel()
+        }
+    }
+
+    /// Poses that the polynomials have left, by the solver of the options.
+    fn without_polynomials(&mut self) -> Result<(), Error> {
+        let mut done = 0;
+        while done < self.status.len() {
+            let mut group = Group::new();
+            while done < self.status.len() && group.count < TOGETHER {
+                if self.status[done] != Status::Solved {
+                    group.add(done, [0, 1, 2].map(|k| self.rods[k].at(done)));
+                }
+                done += 1;
+            }
+            group.compute(self)?;
+        }
+        Ok(())
     }
 
     /// Poses that a kernel has left, by the scalar kernel.
@@ -162,306 +189,67 @@ impl Work<'_, '_> {
     }
 }
 
-/// The work cut into blocks of as many poses as the machine computes side by side.
-struct Blocks<'w, 'a, 'b, M, W> {
-    work: &'w mut Work<'a, 'b>,
-    task: Task<'w>,
-    /// `None` where limits are not checked.
-    limits: Option<Within>,
-    kernel: PhantomData<(M, W)>,
+/// Poses of a group.
+const TOGETHER: usize = 64;
+
+/// Poses that are anywhere in the columns.
+struct Group {
+    count: usize,
+    poses: [usize; TOGETHER],
+    rods: [[f64; TOGETHER]; 3],
 }
 
-/// Limits as a kernel checks them: poses within these are within the limits; of others the scalar kernel decides.
-#[derive(Clone, Copy)]
-struct Within {
-    rod_min: f64,
-    rod_max: f64,
-    /// Square of the largest horizontal part of the plane's normal, of the length of twice the triangle's area in the base (m⁴).
-    horizontal_squared: f64,
-}
-
-impl Within {
-    fn of(gpr: &Gpr) -> Self {
-        let Limits { rod_min, rod_max, .. } = *gpr.limits();
-        let horizontal = signed_area(gpr.base_points()) * gpr.steepest();
-        Self { rod_min, rod_max, horizontal_squared: horizontal * horizontal }
+impl Group {
+    fn new() -> Self {
+        Self { count: 0, poses: [0; TOGETHER], rods: [[0.0; TOGETHER]; 3] }
     }
 
-    #[inline(always)]
-    fn holds<S: Simd>(&self, geometry: &Geometry, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
-        let horizontal = Plane::new(geometry, balls).horizontal_squared();
-        let (least, most) = (horizontal.like(self.rod_min), horizontal.like(self.rod_max));
-        let mut within = horizontal.at_most(horizontal.like(self.horizontal_squared));
-        for rod in rods {
-            within = within & least.at_most(*rod) & rod.at_most(most);
+    fn add(&mut self, pose: usize, rods: [f64; 3]) {
+        self.poses[self.count] = pose;
+        for (column, rod) in self.rods.iter_mut().zip(rods) {
+            column[self.count] = rod;
         }
-        within
+        self.count += 1;
     }
-}
 
-/// Place of a quantity, and its column as registers with the rest behind them.
-type Registers<'c, S> = (usize, &'c mut [<S as Simd>::f64s], &'c mut [f64]);
-
-impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
-    /// Whether poses remain for the scalar kernel; their status is another than solved.
-    type Output = bool;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { work, task, limits, .. } = self;
-        let geometry = task.geometry;
-        let poses = work.status.len();
-        let whole = poses / Lanes::<S>::COUNT;
-        let needs = Needs::of(work.wanted);
-        let mut values = [Lanes::splat(simd, 0.0); PLACES];
-        // Columns as registers, so that a whole block is written without a check of its end.
-        let mut columns: [Registers<'_, S>; PLACES] =
-            std::array::from_fn(|_| (0, &mut [][..], &mut [][..]));
-        let count = work.wanted.len().min(PLACES);
-        let (direct, others) = work.wanted.split_at_mut(count);
-        for ((quantity, wanted), column) in direct.iter_mut().zip(&mut columns) {
-            let (registers, rest) = S::as_mut_simd_f64s(wanted);
-            *column = (place(*quantity), registers, rest);
+    /// Computes the poses without polynomials, and writes them to their places.
+    fn compute(&self, work: &mut Work<'_, '_>) -> Result<(), Error> {
+        let mut status = [Status::Solved; TOGETHER];
+        let mut values = [[0.0; TOGETHER]; PLACES];
+        // A column for each quantity, however often it is wanted.
+        let mut quantities = [None; PLACES];
+        for (quantity, _) in &*work.wanted {
+            quantities[place(*quantity)] = Some(*quantity);
         }
-        let columns = &mut columns[..count];
-        let mut doubtful = false;
-        work.status.fill(Status::Solved);
-        for block in 0..poses.div_ceil(Lanes::<S>::COUNT) {
-            let first = block * Lanes::<S>::COUNT;
-            let rods = [
-                work.rods[0].lanes(simd, first),
-                work.rods[1].lanes(simd, first),
-                work.rods[2].lanes(simd, first),
-            ];
-            let balls = Balls::new(geometry, rods);
-            let found = W::found::<S, M>(&task, &balls);
-            let upright = balls.mean.like(0.0).below(found.area * geometry.base_area);
-            let certain = fill::<S, M>(&mut values, &needs, &task, &balls, &found);
-            let mut solved = found.met & upright & certain & balls.moderate(&rods);
-            if let Some(limits) = &limits {
-                solved = solved & limits.holds(geometry, &rods, &balls);
-            }
-            if block < whole {
-                for (place, registers, _) in &mut *columns {
-                    registers[block] = values[*place].register();
-                }
-            } else {
-                for (place, _, rest) in &mut *columns {
-                    values[*place].store(rest, 0);
-                }
-            }
-            for (quantity, column) in &mut *others {
-                values[place(*quantity)].store(column, first);
-            }
-            if !solved.all() {
-                doubtful = true;
-                let lanes = Lanes::<S>::COUNT.min(poses - first);
-                for (lane, solved) in solved.answers()[..lanes].iter().enumerate() {
-                    if !solved {
-                        work.status[first + lane] = Status::NotConverged;
-                    }
-                }
+        let mut count = 0;
+        let mut columns = values.iter_mut().zip(quantities);
+        let mut wanted: [_; PLACES] = std::array::from_fn(|_| {
+            let next = columns.find_map(|(column, quantity)| Some((quantity?, column)));
+            count += usize::from(next.is_some());
+            let (quantity, column) =
+                next.map_or((Quantity::Residual, &mut [][..]), |(q, c)| (q, &mut c[..self.count]));
+            (quantity, column)
+        });
+        Work {
+            rods: self.rods.each_ref().map(|column| Column::from(&column[..self.count])),
+            polynomials: None,
+            status: &mut status[..self.count],
+            wanted: &mut wanted[..count],
+            ..*work
+        }
+        .compute()?;
+        for (k, &pose) in self.poses[..self.count].iter().enumerate() {
+            work.status[pose] = status[k];
+            for (quantity, column) in &mut *work.wanted {
+                column[pose] = values[place(*quantity)][k];
             }
         }
-        doubtful
+        Ok(())
     }
-}
-
-/// Groups of quantities that are requested; no others are computed.
-struct Needs {
-    sides: bool,
-    displacement: bool,
-    virtual_displacements: bool,
-    ball_displacements: bool,
-    residual: bool,
-    iterations: bool,
-    pose: bool,
-    rotation: bool,
-    /// Angles of the tilt, or the height.
-    coordinates: bool,
-    azimuth: bool,
-    tilt_angle: bool,
-    torsion: bool,
-    axis_height: bool,
-    sensitivity: bool,
-}
-
-impl Needs {
-    fn of(wanted: &[(Quantity, &mut [f64])]) -> Self {
-        let any = |asked: fn(Quantity) -> bool| wanted.iter().any(|(quantity, _)| asked(*quantity));
-        let azimuth = any(|q| q == Quantity::Azimuth);
-        let tilt_angle = any(|q| q == Quantity::TiltAngle);
-        let torsion = any(|q| q == Quantity::Torsion);
-        let axis_height = any(|q| q == Quantity::AxisHeight);
-        let pose = any(|q| matches!(q, Quantity::Origin(_) | Quantity::Normal(_)));
-        let rotation = any(|q| matches!(q, Quantity::Rotation(..)));
-        let coordinates = azimuth || tilt_angle || axis_height;
-        Self {
-            sides: any(|q| matches!(q, Quantity::Side(_))),
-            displacement: any(|q| q == Quantity::Displacement),
-            virtual_displacements: any(|q| matches!(q, Quantity::VirtualDisplacement(_))),
-            ball_displacements: any(|q| matches!(q, Quantity::BallDisplacement(_))),
-            residual: any(|q| q == Quantity::Residual),
-            iterations: any(|q| q == Quantity::Iterations),
-            pose: pose || coordinates || torsion || rotation,
-            rotation,
-            coordinates,
-            azimuth,
-            tilt_angle,
-            torsion,
-            axis_height,
-            sensitivity: any(|q| matches!(q, Quantity::Sensitivity(_))),
-        }
-    }
-}
-
-/// Places for the values of all quantities.
-const PLACES: usize = 43;
-
-/// Index of the value of a quantity among those of a block.
-#[inline]
-fn place(quantity: Quantity) -> usize {
-    match quantity {
-        Quantity::VirtualJoint(joint) => joint,
-        Quantity::Side(side) => 6 + side,
-        Quantity::Origin(axis) => 9 + axis,
-        Quantity::Normal(axis) => 12 + axis,
-        Quantity::Sensitivity(index) => 15 + index,
-        Quantity::Azimuth => 18,
-        Quantity::TiltAngle => 19,
-        Quantity::Torsion => 20,
-        Quantity::AxisHeight => 21,
-        Quantity::Displacement => 22,
-        Quantity::Residual => 23,
-        Quantity::Iterations => 24,
-        Quantity::BallDisplacement(ball) => 25 + ball,
-        Quantity::VirtualDisplacement(joint) => 28 + joint,
-        Quantity::Rotation(row, column) => 34 + 3 * row + column,
-    }
-}
-
-/// Writes the values that are needed, each what [`value`] is for one pose; returns the lanes whose values are valid.
-#[inline(always)]
-fn fill<S: Simd, M: Model>(
-    values: &mut [Lanes<S>; PLACES],
-    needs: &Needs,
-    task: &Task<'_>,
-    balls: &Balls<S>,
-    found: &Found<S>,
-) -> Mask<S> {
-    let zero = balls.mean.like(0.0);
-    let mut certain = zero.at_most(zero);
-    if needs.iterations {
-        values[place(Quantity::Iterations)] = found.iterations;
-    }
-    for k in 0..3 {
-        values[place(Quantity::VirtualJoint(k))] = found.a[k];
-        if M::ACROSS {
-            values[place(Quantity::VirtualJoint(3 + k))] = found.b[k];
-        }
-    }
-    if needs.virtual_displacements {
-        let start = task.geometry.start::<M>();
-        for k in 0..3 {
-            values[place(Quantity::VirtualDisplacement(k))] = found.a[k] - start[k];
-            values[place(Quantity::VirtualDisplacement(3 + k))] = found.b[k];
-        }
-    }
-    if needs.sides {
-        for k in 0..3 {
-            values[place(Quantity::Side(k))] = balls.squares[k].sqrt();
-        }
-    }
-    if needs.displacement {
-        values[place(Quantity::Displacement)] = displacement::<S, M>(task, found);
-    }
-    if needs.ball_displacements {
-        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
-        for (k, displacement) in shape.ball_displacements(task.geometry).into_iter().enumerate() {
-            values[place(Quantity::BallDisplacement(k))] = displacement;
-        }
-    }
-    if needs.residual {
-        values[place(Quantity::Residual)] = found.residual(task.geometry, balls);
-    }
-    if needs.pose {
-        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
-        let plane = Plane::new(task.geometry, balls);
-        let placed = PlatformPoses::new(task.geometry, balls, &plane, &shape);
-        for axis in 0..3 {
-            values[place(Quantity::Origin(axis))] = placed.origin[axis];
-            values[place(Quantity::Normal(axis))] = placed.normal[axis];
-        }
-        if needs.torsion {
-            values[place(Quantity::Torsion)] = placed.torsion();
-        }
-        if needs.rotation {
-            let values = &mut *values;
-            zero.outlined(
-                #[inline(always)]
-                move || {
-                    for (column, axis) in placed.axes().into_iter().enumerate() {
-                        for (row, entry) in axis.into_iter().enumerate() {
-                            values[place(Quantity::Rotation(row, column))] = entry;
-                        }
-                    }
-                },
-            );
-        }
-        if needs.coordinates {
-            let values = &mut *values;
-            zero.outlined(
-                #[inline(always)]
-                move || fill_coordinates(values, needs, &placed),
-            );
-        }
-    }
-    if needs.sensitivity {
-        let (balls, a, b) = (*balls, found.a, found.b);
-        let (singular_values, orthogonal) = zero.outlined(
-            #[inline(always)]
-            move || {
-                let shape = Shape::at::<M>(task.geometry, a, b);
-                singular_values::sensitivity::<S, M>(task, &balls, &shape)
-            },
-        );
-        for (index, value) in singular_values.into_iter().enumerate() {
-            values[place(Quantity::Sensitivity(index))] = value;
-        }
-        certain = orthogonal;
-    }
-    certain
-}
-
-/// Angles of the tilt, and the height.
-#[inline(always)]
-fn fill_coordinates<S: Simd>(
-    values: &mut [Lanes<S>; PLACES],
-    needs: &Needs,
-    placed: &PlatformPoses<S>,
-) {
-    if needs.azimuth {
-        values[place(Quantity::Azimuth)] = placed.azimuth();
-    }
-    if needs.tilt_angle {
-        values[place(Quantity::TiltAngle)] = placed.tilt_angle();
-    }
-    if needs.axis_height {
-        values[place(Quantity::AxisHeight)] = placed.axis_height();
-    }
-}
-
-#[inline(always)]
-fn displacement<S: Simd, M: Model>(task: &Task<'_>, found: &Found<S>) -> Lanes<S> {
-    let mut a = found.a;
-    for (a, start) in a.iter_mut().zip(task.geometry.start::<M>()) {
-        *a = *a - start;
-    }
-    kernel::squared::<S, M>(task, &a, &found.b).sqrt()
 }
 
 /// A quantity of one pose.
-fn value(
+pub(super) fn value(
     gpr: &Gpr,
     pose: &PlatformPose,
     virtualization: &dyn Virtualization,
@@ -496,10 +284,13 @@ fn value(
 
 #[cfg(test)]
 mod tests {
+    use pulp::Simd;
+
     use super::*;
+    use crate::bulk::PoseSolver;
     use crate::gpr::AxisHeight;
     use crate::spatial::Tilt;
-    use crate::virtualization::{self, Solver, built_in};
+    use crate::virtualization::built_in;
 
     const POSES: usize = 67;
 
@@ -507,17 +298,24 @@ mod tests {
         simd: S,
         work: &mut Work<'_, '_>,
         task: Task<'_>,
+        method: W,
     ) -> bool {
-        simd.vectorize(Blocks { work, task, limits: None, kernel: PhantomData::<(M, W)> })
+        simd.vectorize(Blocks { work, task, limits: None, model: PhantomData::<M>, method })
     }
+
+    /// What is computed with all kinds of registers.
+    type Given<'g> = (
+        &'g (dyn Virtualization + Sync),
+        &'g [Vec<f64>; 3],
+        &'g SolveOptions,
+        Option<&'g JointPolynomials>,
+    );
 
     /// Bits of all quantities of a virtualization, computed with one kind of registers, with the statuses.
     fn with<S: Simd, M: Model>(
         simd: S,
         gpr: &Gpr,
-        virtualization: &dyn Virtualization,
-        rods: &[Vec<f64>; 3],
-        options: &SolveOptions,
+        (virtualization, rods, options, polynomials): Given<'_>,
     ) -> (Vec<Vec<u64>>, Vec<Status>) {
         // Sensitivities are in the kernels too; the scalar kernel leaves them to a matrix library, which uses the processor as it likes.
         let three =
@@ -544,7 +342,7 @@ mod tests {
             virtualization,
             options,
             first_step: None,
-            polynomials: None,
+            polynomials,
             status: &mut status,
             wanted: &mut wanted,
         };
@@ -552,13 +350,22 @@ mod tests {
         let first_step = FirstStep::new(gpr.platform(), virtualization, length);
         let task = Task::new::<M>(gpr.dimensions(), options, length);
         let task = Task { first_step: first_step.as_ref(), ..task };
-        let doubtful = match task.solver {
-            Solver::Newton => vectorized::<S, M, Newton>(simd, &mut work, task),
-            Solver::LeastNorm => vectorized::<S, M, LeastNorm>(simd, &mut work, task),
-            Solver::ClosedForm => vectorized::<S, M, ClosedForm>(simd, &mut work, task),
+        let all = &mut work;
+        let doubtful = match (polynomials, task.solver) {
+            (Some(polynomials), _) => match polynomials.order() {
+                Order::Three => {
+                    vectorized::<S, M, _>(simd, all, task, ByPolynomials::<3>(polynomials))
+                }
+                Order::Four => {
+                    vectorized::<S, M, _>(simd, all, task, ByPolynomials::<4>(polynomials))
+                }
+            },
+            (None, Solver::Newton) => vectorized::<S, M, _>(simd, all, task, Newton),
+            (None, Solver::LeastNorm) => vectorized::<S, M, _>(simd, all, task, LeastNorm),
+            (None, Solver::ClosedForm) => vectorized::<S, M, _>(simd, all, task, ClosedForm),
         };
         if doubtful {
-            work.by_scalar_kernel().unwrap();
+            work.the_rest().unwrap();
         }
         let bits = |column: &Vec<f64>| {
             // The bits of what is no number have no meaning.
@@ -583,27 +390,32 @@ mod tests {
         rods
     }
 
-    fn check_all_widths<M: Model>(virtualization: &dyn Virtualization) {
+    fn check_all_widths<M: Model>(built_in: BuiltIn) {
         let gpr = Gpr::paper().without_limit_checks();
         let rods = rods(&gpr);
+        let virtualization = built_in.model();
         for solver in [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm] {
             let options = &SolveOptions { solver, ..SolveOptions::default() };
-            let one_lane = with::<_, M>(pulp::Scalar, &gpr, virtualization, &rods, options);
-            let solved = one_lane.1.iter().filter(|status| **status == Status::Solved).count();
-            assert!((POSES / 2..POSES + 5).contains(&solved), "{solved}");
-            let check = |name: &str, lanes: (Vec<Vec<u64>>, Vec<Status>)| {
-                assert!(lanes == one_lane, "{name}, {}, {solver}", virtualization.name());
-            };
-            let two_lanes = pulp::Scalar128b;
-            check("two lanes", with::<_, M>(two_lanes, &gpr, virtualization, &rods, options));
-            #[cfg(target_arch = "x86_64")]
-            {
-                use pulp::x86::{V3, V4};
-                if let Some(simd) = V3::try_new() {
-                    check("AVX2", with::<_, M>(simd, &gpr, virtualization, &rods, options));
-                }
-                if let Some(simd) = V4::try_new() {
-                    check("AVX-512", with::<_, M>(simd, &gpr, virtualization, &rods, options));
+            let prepared = PoseSolver::new(&gpr, built_in, options).unwrap();
+            assert_eq!(prepared.polynomials.is_some(), M::SETTLES);
+            for polynomials in [None, prepared.polynomials.as_ref()] {
+                let given = (virtualization, &rods, options, polynomials);
+                let one_lane = with::<_, M>(pulp::Scalar, &gpr, given);
+                let solved = one_lane.1.iter().filter(|status| **status == Status::Solved).count();
+                assert!((POSES / 2..POSES + 5).contains(&solved), "{solved}");
+                let check = |name: &str, lanes: (Vec<Vec<u64>>, Vec<Status>)| {
+                    assert!(lanes == one_lane, "{name}, {}, {solver}", virtualization.name());
+                };
+                check("two lanes", with::<_, M>(pulp::Scalar128b, &gpr, given));
+                #[cfg(target_arch = "x86_64")]
+                {
+                    use pulp::x86::{V3, V4};
+                    if let Some(simd) = V3::try_new() {
+                        check("AVX2", with::<_, M>(simd, &gpr, given));
+                    }
+                    if let Some(simd) = V4::try_new() {
+                        check("AVX-512", with::<_, M>(simd, &gpr, given));
+                    }
                 }
             }
         }
@@ -612,10 +424,10 @@ mod tests {
     /// Studies are computed in parts on processors of different kinds.
     #[test]
     fn all_register_widths_give_the_same_bits() {
-        check_all_widths::<Radial>(&virtualization::Radial);
-        check_all_widths::<Polar>(&virtualization::Polar);
-        check_all_widths::<Offset>(&virtualization::Offset);
-        check_all_widths::<Planar>(&virtualization::Planar);
+        check_all_widths::<Radial>(BuiltIn::Radial);
+        check_all_widths::<Polar>(BuiltIn::Polar);
+        check_all_widths::<Offset>(BuiltIn::Offset);
+        check_all_widths::<Planar>(BuiltIn::Planar);
     }
 
     #[test]

@@ -30,6 +30,7 @@
 //! # Ok::<(), jointplay_core::Error>(())
 //! ```
 
+mod blocks;
 mod column;
 mod forward;
 mod instruction_set;
@@ -38,6 +39,7 @@ mod limits;
 mod parts;
 mod pose_solver;
 mod quantity;
+mod results;
 mod singular_values;
 mod status;
 

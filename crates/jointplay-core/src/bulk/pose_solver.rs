@@ -19,7 +19,7 @@ const SLOPE_MARGIN: f64 = 1.4;
 /// Forward kinematics of one robot under one virtualization, prepared for many calls.
 ///
 /// The virtual joints are smooth functions of the slopes of the plane through the balls near level: they are interpolated by polynomials, to 10⁻¹³ of the longest side.
-/// Single poses use them with every solver, many poses for least displacements only: Newton's method takes as long as they do there, a closed form less; the first step of Newton's method is prepared.
+/// Single poses use them with every solver, many poses where no closed form is asked for, which takes less time; the first step of Newton's method is prepared.
 /// Each pose is checked: where its sides are not met, or the tilt is larger, it is computed as by [`Gpr::forward`].
 ///
 /// ```
@@ -39,7 +39,7 @@ pub struct PoseSolver {
     options: SolveOptions,
     characteristic_length: f64,
     first_step: Option<FirstStep>,
-    polynomials: Option<JointPolynomials>,
+    pub(super) polynomials: Option<JointPolynomials>,
 }
 
 impl PoseSolver {
@@ -145,7 +145,7 @@ impl PoseSolver {
     fn task<M: Model>(&self) -> Task<'_> {
         let task = Task::new::<M>(self.gpr.dimensions(), &self.options, self.characteristic_length);
         let first_step = self.first_step.as_ref();
-        Task { first_step, polynomials: self.polynomials.as_ref(), ..task }
+        Task { first_step, ..task }
     }
 
     #[inline]
@@ -169,10 +169,11 @@ impl PoseSolver {
         rods: &[f64; 3],
     ) -> Option<Single> {
         // Nothing is compiled for polynomials that a model never has.
-        if M::SETTLES && task.polynomials.is_some() {
-            Single::by_polynomials::<S, M>(simd, task, rods)
-        } else {
-            Single::new::<M>(task, rods)
+        match &self.polynomials {
+            Some(polynomials) if M::SETTLES => {
+                Single::by_polynomials::<S, M>(simd, task, polynomials, rods)
+            }
+            _ => Single::new::<M>(task, rods),
         }
     }
 }

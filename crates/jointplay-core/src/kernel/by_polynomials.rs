@@ -2,29 +2,22 @@
 
 use pulp::{Scalar, Simd};
 
-use super::found::Found;
+use super::found::{Found, Gaps};
 use super::geometry::Task;
 use super::joint_polynomials::{Coefficients, JOINTS, JointPolynomials, Order, TERMS};
 use super::lanes::{Lanes, MOST};
 use super::model::Model;
 use super::polar;
 use super::shape::{Balls, Shape, Three};
-use super::solve::{LeastNorm, Method, closed};
+use super::solve::Method;
 
-/// The least displacement by polynomials of degree 2 N for the slopes that they are made for, else by steps.
-pub(crate) struct ByPolynomials<const N: usize>;
+/// By polynomials of degree 2 N, for the slopes that they are made for; nowhere else.
+pub(crate) struct ByPolynomials<'p, const N: usize>(pub(crate) &'p JointPolynomials);
 
-impl<const N: usize> Method for ByPolynomials<N> {
+impl<const N: usize> Method for ByPolynomials<'_, N> {
     #[inline(always)]
-    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-        let Some(polynomials) = task.polynomials else {
-            return LeastNorm::outlined::<S, M>(task, balls);
-        };
-        let found = polynomials.found::<S, M, N>(task, balls);
-        if found.met.all() {
-            return found;
-        }
-        found.completed_by(&LeastNorm::outlined::<S, M>(task, balls))
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+        self.0.found::<S, M, N>(task, balls)
     }
 }
 
@@ -45,7 +38,7 @@ impl JointPolynomials {
             }
         }
         let [a_1, a_2, a_3, b_1, b_2, b_3] = joints;
-        checked::<S, M>(task, balls, [a_1, a_2, a_3], [b_1, b_2, b_3], &terms)
+        self.checked::<S, M>(task, balls, [a_1, a_2, a_3], [b_1, b_2, b_3], &terms)
     }
 
     /// The virtual joints of one pose, side by side; met where the slopes are not too large and the sides are met.
@@ -77,7 +70,7 @@ impl JointPolynomials {
             a[k] = terms[0].like(joints[k]);
             b[k] = terms[0].like(joints[3 + k]);
         }
-        checked::<Scalar, M>(task, balls, a, b, &terms)
+        self.checked::<Scalar, M>(task, balls, a, b, &terms)
     }
 
     /// Terms for the slopes of planes through the balls.
@@ -86,27 +79,51 @@ impl JointPolynomials {
         let [first, second] = self.slopes;
         terms::<S, N>(slope(balls, first), slope(balls, second))
     }
-}
 
-/// Sockets at given coordinates; met where their sides are, and the slopes are not too large.
-#[inline(always)]
-fn checked<S: Simd, M: Model>(
-    task: &Task<'_>,
-    balls: &Balls<S>,
-    a: Three<S>,
-    mut b: Three<S>,
-    terms: &[Lanes<S>; TERMS],
-) -> Found<S> {
-    if M::AROUND_CENTER {
-        // Turns of neighbours in opposite senses leave the sum of the angles as it is.
-        b[2] = -(b[0] + b[1]);
+    /// Sockets at given coordinates; met where their sides are, and the slopes are not too large.
+    ///
+    /// They have the sense of the base: between those for a level plane and them, no triangle that meets the sides has an area of zero.
+    #[inline(always)]
+    fn checked<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        a: Three<S>,
+        mut b: Three<S>,
+        terms: &[Lanes<S>; TERMS],
+    ) -> Found<S> {
+        let mut met = terms[1].at_most(terms[0]);
+        let missing = if M::AROUND_CENTER {
+            // Turns of neighbours in opposite senses leave the sum of the angles as it is.
+            b[2] = -(b[0] + b[1]);
+            let (missing, exact) = polar::missing(task.geometry, balls, a, b);
+            met = met & exact;
+            missing
+        } else {
+            Shape::at::<M>(task.geometry, a, b).missing(balls)
+        };
+        let residual = self.residual(balls, &missing);
+        met =
+            met & residual.squared().at_most(residual.like(task.threshold * self.longest_squared));
+        Found { a, b, gaps: Gaps::Largest(residual), iterations: residual.like(0.0), met }
     }
-    let found = if M::AROUND_CENTER {
-        polar::closed(task, balls, a, b)
-    } else {
-        closed(balls, task, Shape::at::<M>(task.geometry, a, b))
-    };
-    Found { met: found.met & terms[1].at_most(terms[0]), ..found }
+
+    /// Largest of |L − l| = |L² − l²|/(L + l), with a bound of 1/2 L that is linear in L² (m).
+    ///
+    /// # Numerics
+    /// For slopes up to the largest, x, of the polynomials: never too small, and too large by 0.1 x⁴ of itself at most.
+    #[inline(always)]
+    fn residual<S: Simd>(&self, balls: &Balls<S>, missing: &Three<S>) -> Lanes<S> {
+        let mut shares = *missing;
+        for k in 0..3 {
+            let [constant, linear] = self.half_inverses[k];
+            let square = balls.squares[k];
+            let half_inverse = square.times_plus(square.like(linear), square.like(constant));
+            shares[k] = missing[k].abs() * half_inverse;
+        }
+        let [first, second, third] = shares;
+        first.max(second).max(third)
+    }
 }
 
 /// A slope of the plane through the balls, divided by the largest.
@@ -149,17 +166,20 @@ fn value<S: Simd, const N: usize>(
     joint: usize,
     terms: &[Lanes<S>; TERMS],
 ) -> Lanes<S> {
-    let (low, high) = (N * N, (N + 1) * (N + 1));
     let Coefficients(rows) = coefficients;
     let mut sum = terms[0].like(rows[0][joint]);
-    for k in (1..low).rev() {
+    for k in 1..4 {
         sum = terms[k].times_plus(sum.like(rows[k][joint]), sum);
     }
-    let mut rest = terms[low] * rows[low][joint];
-    for k in low + 1..high {
-        rest = terms[k].times_plus(sum.like(rows[k][joint]), rest);
+    let mut second = terms[4] * rows[4][joint];
+    for k in 5..9 {
+        second = terms[k].times_plus(sum.like(rows[k][joint]), second);
     }
-    sum + rest
+    let mut third = terms[9] * rows[9][joint];
+    for k in 10..(N + 1) * (N + 1) {
+        third = terms[k].times_plus(sum.like(rows[k][joint]), third);
+    }
+    sum + second + third
 }
 
 /// Values of the polynomials of the first `count` virtual joints, side by side: a sum for each degree, so that none waits for the others.

@@ -21,35 +21,36 @@ pub(crate) struct Found<S: Simd> {
     pub(crate) a: Three<S>,
     /// Coordinates across ((m), (rad)).
     pub(crate) b: Three<S>,
-    /// Twice the signed area of the sockets (m²).
-    pub(crate) area: Lanes<S>,
-    /// Difference of each squared side from that of the sockets (m²).
-    pub(super) missing: Three<S>,
+    pub(super) gaps: Gaps<S>,
     pub(crate) iterations: Lanes<S>,
-    /// Where the sides are met.
+    /// Where the sides are met by a triangle of the same sense as the base.
     pub(crate) met: Mask<S>,
+}
+
+/// By how much the sides are not met.
+#[derive(Clone, Copy)]
+pub(super) enum Gaps<S: Simd> {
+    /// Difference of each squared side from that of the sockets (m²).
+    Squares(Three<S>),
+    /// Largest difference between a side and its virtual length (m).
+    Largest(Lanes<S>),
 }
 
 impl<S: Simd> Found<S> {
     /// Largest difference between a side and its virtual length, see [`Balls::residual`] (m).
     #[inline(always)]
     pub(crate) fn residual(&self, geometry: &Geometry, balls: &Balls<S>) -> Lanes<S> {
-        balls.residual(geometry, &self.missing)
-    }
-
-    /// This result where its sides are met, another one elsewhere.
-    #[inline(always)]
-    pub(super) fn completed_by(self, other: &Self) -> Self {
-        let met = self.met;
-        Self {
-            a: either(met, self.a, other.a),
-            b: either(met, self.b, other.b),
-            area: met.select(self.area, other.area),
-            missing: either(met, self.missing, other.missing),
-            iterations: met.select(self.iterations, other.iterations),
-            met: met | other.met,
+        match &self.gaps {
+            Gaps::Squares(missing) => balls.residual(geometry, missing),
+            Gaps::Largest(residual) => *residual,
         }
     }
+}
+
+/// Where a triangle of this signed area has the sense of the base.
+#[inline(always)]
+pub(super) fn upright<S: Simd>(geometry: &Geometry, area: Lanes<S>) -> Mask<S> {
+    area.like(0.0).below(area * geometry.base_area)
 }
 
 /// Three numbers, and zero where the sides are met already.

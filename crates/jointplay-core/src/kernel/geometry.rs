@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::joint_polynomials::JointPolynomials;
 use super::model::Model;
 use super::processor::Processor;
 use crate::linalg::least_norm_of_three;
@@ -95,8 +94,6 @@ pub(crate) struct Task<'a> {
     pub(crate) threshold: f64,
     /// The first step from nominal, where it pays to compute it once.
     pub(crate) first_step: Option<&'a FirstStep>,
-    /// The virtual joints as polynomials, where they were prepared.
-    pub(crate) polynomials: Option<&'a JointPolynomials>,
 }
 
 impl<'a> Task<'a> {
@@ -120,7 +117,6 @@ impl<'a> Task<'a> {
             compliance: if M::TURNS { 1.0 / weight } else { 1.0 },
             threshold: 4.0 * options.relative_threshold * options.relative_threshold,
             first_step: None,
-            polynomials: None,
         }
     }
 }

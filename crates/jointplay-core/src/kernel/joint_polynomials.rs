@@ -41,6 +41,10 @@ pub(crate) struct JointPolynomials {
     /// From the first two differences of rods to slopes, divided by the largest (1/m).
     pub(super) slopes: [[f64; 2]; 2],
     pub(super) coefficients: Coefficients,
+    /// Constant and factor of L² of a bound of 1/2 L, for each side L ((1/m), (1/m³)).
+    pub(super) half_inverses: [[f64; 2]; 3],
+    /// A quarter of the square of the longest side of the base (m²).
+    pub(super) longest_squared: f64,
 }
 
 /// For each term, its coefficient in each virtual joint ((m), (rad)); then zeros, so that those of a term fill the widest register.
@@ -107,8 +111,13 @@ impl JointPolynomials {
                 let Some(coefficients) = interpolate(&joints, number, largest) else { continue };
                 let Some(error) = error(&coefficients, number, largest) else { continue };
                 if error <= allowed {
-                    let coefficients = Coefficients::new(&coefficients);
-                    return Some(Self { order, slopes: slopes(base_edges, largest), coefficients });
+                    return Some(Self {
+                        order,
+                        slopes: slopes(base_edges, largest),
+                        coefficients: Coefficients::new(&coefficients),
+                        half_inverses: squares.map(|square| half_inverse(square, largest)),
+                        longest_squared: 0.25 * squares[0].max(squares[1]).max(squares[2]),
+                    });
                 }
                 // The first omitted term is of this degree.
                 shrink =
@@ -125,6 +134,16 @@ fn slopes(base_edges: &[[f64; 2]; 3], largest: f64) -> [[f64; 2]; 2] {
     let [[x_1, y_1], [x_2, y_2], _] = *base_edges;
     let scale = (x_1 * y_2 - y_1 * x_2) * largest;
     [[y_2 / scale, -y_1 / scale], [-x_2 / scale, x_1 / scale]]
+}
+
+/// Constant and factor of L² in a bound of 1/2 L, for sides L above an edge of the base up to the largest slope: the chord of a convex function.
+///
+/// # Arguments
+/// * `square` – of the edge of the base (m²)
+fn half_inverse(square: f64, largest: f64) -> [f64; 2] {
+    let (level, rise) = (0.5 / square.sqrt(), largest * largest);
+    let falls = (1.0 - 1.0 / (1.0 + rise).sqrt()) / rise;
+    [level * (1.0 + falls), -level * falls / square]
 }
 
 /// Terms of a polynomial, the constant first.

@@ -61,6 +61,11 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
+    #[inline(always)]
+    pub(crate) fn from_register(simd: S, value: S::f64s) -> Self {
+        Self { simd, value }
+    }
+
     /// The register.
     #[inline(always)]
     pub(crate) fn register(self) -> S::f64s {

@@ -9,7 +9,8 @@
 use pulp::Simd;
 
 use super::found::{
-    Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless, unless_branchless,
+    Found, Gaps, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless, unless_branchless,
+    upright,
 };
 use super::geometry::{FirstStep, Geometry, Task};
 use super::lanes::{Lanes, Mask};
@@ -132,32 +133,30 @@ impl<S: Simd> Sockets<S> {
     #[inline(always)]
     fn found(
         &self,
+        geometry: &Geometry,
         response: &Response<S>,
         missing: Three<S>,
         iterations: Lanes<S>,
         met: Mask<S>,
     ) -> Found<S> {
         let [t_0, t_1, t_2] = response.by_turn;
-        Found { a: self.l, b: self.phi, area: t_0 + t_1 + t_2, missing, iterations, met }
+        let met = met & upright(geometry, t_0 + t_1 + t_2);
+        Found { a: self.l, b: self.phi, gaps: Gaps::Squares(missing), iterations, met }
     }
 }
 
-/// Sockets at given coordinates, and where their sides are met; nowhere for large angles.
+/// Difference of each squared side from that of sockets at given coordinates (m²), and where it is exact to round-off: nowhere for large angles.
 #[inline(always)]
-pub(super) fn closed<S: Simd>(
-    task: &Task<'_>,
+pub(super) fn missing<S: Simd>(
+    geometry: &Geometry,
     balls: &Balls<S>,
     l: Three<S>,
     phi: Three<S>,
-) -> Found<S> {
-    let zero = balls.mean.like(0.0);
+) -> (Three<S>, Mask<S>) {
     let series = Series::of_small(&between(phi));
-    let mut sockets = Sockets { l, phi, ..Sockets::nominal(task.geometry, zero) };
+    let mut sockets = Sockets { l, phi, ..Sockets::nominal(geometry, l[0]) };
     sockets.turn(&series.sines, &series.versines);
-    let response = sockets.response();
-    let missing = sockets.missing(&response, balls);
-    let met = within(&missing, &balls.bounds(task.threshold)) & series.exact;
-    sockets.found(&response, missing, zero, met)
+    (sockets.missing(&sockets.response(), balls), series.exact)
 }
 
 /// The step from nominal, by the matrix that all poses share or by itself.
@@ -238,7 +237,7 @@ fn two_steps<S: Simd>(
     // Where no step is needed, a step would move round-off.
     let enough = met & certain & !met_at_start;
     let iterations = met_once.select(one, one + one);
-    (sockets.found(&response, missing, iterations, met), enough)
+    (sockets.found(task.geometry, &response, missing, iterations, met), enough)
 }
 
 /// As many steps as are needed, by any angles.
@@ -268,7 +267,8 @@ fn many_steps<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         }
         at.advance(task, balls, &bounds);
     }
-    at.sockets.found(&at.response, at.missing, at.iterations, at.met & !at.doubtful)
+    let met = at.met & !at.doubtful;
+    at.sockets.found(task.geometry, &at.response, at.missing, at.iterations, met)
 }
 
 /// Where Newton's method is.
@@ -361,7 +361,7 @@ pub(super) fn least_norm<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S>
         let now = last_squared.at_most(least_step) & within(&missing, &bounds);
         met = met | (now & !doubtful);
     }
-    sockets.found(&response, missing, iterations, met)
+    sockets.found(task.geometry, &response, missing, iterations, met)
 }
 
 /// The least step that gives each squared side what it lacks: W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ · target · share, with halves of J.

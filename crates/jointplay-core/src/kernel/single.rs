@@ -5,6 +5,7 @@ use pulp::{Scalar, Simd};
 
 use super::found::Found;
 use super::geometry::{Geometry, Task};
+use super::joint_polynomials::JointPolynomials;
 use super::lanes::Lanes;
 use super::model::Model;
 use super::pose::{Plane, PlatformPoses};
@@ -52,25 +53,25 @@ impl Single {
         Self::certain(task.geometry, balls, solved::<Scalar, M>(task, &balls))
     }
 
-    /// By the polynomials of the task; `None` without them, or where the answer is not beyond doubt.
+    /// By polynomials; `None` where the answer is not beyond doubt.
     #[inline(always)]
     pub(crate) fn by_polynomials<W: Simd, M: Model>(
         wide: W,
         task: &Task<'_>,
+        polynomials: &JointPolynomials,
         rods: &[f64; 3],
     ) -> Option<Self> {
         let balls = balls(task.geometry, rods);
-        let found = task.polynomials?.found_one::<W, M>(wide, task, &balls);
+        let found = polynomials.found_one::<W, M>(wide, task, &balls);
         Self::certain(task.geometry, balls, found)
     }
 
     #[inline(always)]
     fn certain(geometry: &Geometry, balls: Balls<Scalar>, found: Found<Scalar>) -> Option<Self> {
-        let upright = balls.mean.like(0.0).below(found.area * geometry.base_area);
         // Steeper triangles are slender: round-off in their sides is large in their corners.
         let plane = Plane::new(geometry, &balls);
         let flat = plane.area.at_most(plane.area.like(STEEPEST * geometry.base_area.abs()));
-        (found.met & upright & flat).any().then_some(Self { balls, plane, found })
+        (found.met & flat).any().then_some(Self { balls, plane, found })
     }
 
     /// The pose of the platform, with the virtual joints.

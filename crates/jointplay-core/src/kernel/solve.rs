@@ -4,7 +4,9 @@
 
 use pulp::Simd;
 
-use super::found::{Found, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless};
+use super::found::{
+    Found, Gaps, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless, upright,
+};
 use super::geometry::Task;
 use super::lanes::{Lanes, Mask};
 use super::model::{self, Model};
@@ -18,7 +20,7 @@ use crate::virtualization::Solver;
 ///
 /// A type, so that a loop over poses is compiled for each: with all of them in one loop the registers do not suffice.
 pub(crate) trait Method {
-    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S>;
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S>;
 }
 
 /// See [`Solver::Newton`].
@@ -30,14 +32,14 @@ pub(crate) struct ClosedForm;
 
 impl Method for Newton {
     #[inline(always)]
-    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         if M::AROUND_CENTER { polar::newton(task, balls) } else { newton::<S, M>(task, balls) }
     }
 }
 
 impl Method for LeastNorm {
     #[inline(always)]
-    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         if M::AROUND_CENTER {
             polar::least_norm(task, balls)
         } else {
@@ -46,21 +48,9 @@ impl Method for LeastNorm {
     }
 }
 
-impl LeastNorm {
-    /// As [`Method::found`], in one place for all rare cases.
-    #[inline(always)]
-    pub(super) fn outlined<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-        let balls = *balls;
-        balls.mean.outlined(
-            #[inline(always)]
-            move || Self::found::<S, M>(task, &balls),
-        )
-    }
-}
-
 impl Method for ClosedForm {
     #[inline(always)]
-    fn found<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         if M::TOWARD_SOCKET { radial(task, balls) } else { planar(task, balls) }
     }
 }
@@ -69,9 +59,9 @@ impl Method for ClosedForm {
 #[inline(always)]
 pub(crate) fn solved<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     match task.solver {
-        Solver::Newton => Newton::found::<S, M>(task, balls),
-        Solver::ClosedForm if M::CLOSED_FORM => ClosedForm::found::<S, M>(task, balls),
-        _ => LeastNorm::found::<S, M>(task, balls),
+        Solver::Newton => Newton.found::<S, M>(task, balls),
+        Solver::ClosedForm if M::CLOSED_FORM => ClosedForm.found::<S, M>(task, balls),
+        _ => LeastNorm.found::<S, M>(task, balls),
     }
 }
 
@@ -103,7 +93,7 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         missing = shape.missing(balls);
         met = met | within(&missing, &bounds);
     }
-    Found { a: shape.a, b: shape.b, area: shape.area(), missing, iterations, met: met & !doubtful }
+    end(task, &shape, missing, iterations, met & !doubtful)
 }
 
 /// The least displacement near nominal, see [`Solver::LeastNorm`](crate::virtualization::Solver::LeastNorm).
@@ -169,7 +159,7 @@ fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> 
         let now = last_squared.at_most(least_step) & within(&missing, &bounds);
         met = met | (now & !doubtful);
     }
-    Found { a: shape.a, b: shape.b, area: shape.area(), missing, iterations, met }
+    end(task, &shape, missing, iterations, met)
 }
 
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
@@ -226,17 +216,23 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 
 /// A triangle found without steps, and where its sides are met.
 #[inline(always)]
-pub(super) fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
+fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
     let missing = shape.missing(balls);
     let met = within(&missing, &balls.bounds(task.threshold));
-    Found {
-        a: shape.a,
-        b: shape.b,
-        area: shape.area(),
-        missing,
-        iterations: balls.mean.like(0.0),
-        met,
-    }
+    end(task, &shape, missing, missing[0].like(0.0), met)
+}
+
+/// The triangle at which steps end.
+#[inline(always)]
+fn end<S: Simd>(
+    task: &Task<'_>,
+    shape: &Shape<S>,
+    missing: Three<S>,
+    iterations: Lanes<S>,
+    met: Mask<S>,
+) -> Found<S> {
+    let met = met & upright(task.geometry, shape.area());
+    Found { a: shape.a, b: shape.b, gaps: Gaps::Squares(missing), iterations, met }
 }
 
 /// The first step from nominal, and where the sides are independent there.

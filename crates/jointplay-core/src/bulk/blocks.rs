@@ -1,0 +1,233 @@
+//! Poses in blocks of as many as the machine computes side by side.
+
+use std::marker::PhantomData;
+
+use pulp::{Simd, WithSimd};
+
+use super::forward::Work;
+use super::results::{Needs, PLACES, Results, place, repeat};
+use super::{Column, Quantity, Status, singular_values};
+use crate::gpr::{Gpr, Limits};
+use crate::kernel::{
+    self, Balls, Found, Geometry, Lanes, Mask, Method, Model, Plane, PlatformPoses, Shape, Task,
+    Three,
+};
+use crate::virtualization::signed_area;
+
+/// The work cut into blocks.
+pub(super) struct Blocks<'w, 'a, 'b, M, W> {
+    pub(super) work: &'w mut Work<'a, 'b>,
+    pub(super) task: Task<'w>,
+    /// `None` where limits are not checked.
+    pub(super) limits: Option<Within>,
+    pub(super) model: PhantomData<M>,
+    pub(super) method: W,
+}
+
+/// Limits as a kernel checks them: poses within these are within the limits; of others the scalar kernel decides.
+#[derive(Clone, Copy)]
+pub(super) struct Within {
+    rod_min: f64,
+    rod_max: f64,
+    /// Square of the largest horizontal part of the plane's normal, of the length of twice the triangle's area in the base (m⁴).
+    horizontal_squared: f64,
+}
+
+impl Within {
+    pub(super) fn of(gpr: &Gpr) -> Self {
+        let Limits { rod_min, rod_max, .. } = *gpr.limits();
+        let horizontal = signed_area(gpr.base_points()) * gpr.steepest();
+        Self { rod_min, rod_max, horizontal_squared: horizontal * horizontal }
+    }
+
+    #[inline(always)]
+    fn holds<S: Simd>(&self, geometry: &Geometry, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
+        let horizontal = Plane::new(geometry, balls).horizontal_squared();
+        let (least, most) = (horizontal.like(self.rod_min), horizontal.like(self.rod_max));
+        let mut within = horizontal.at_most(horizontal.like(self.horizontal_squared));
+        for rod in rods {
+            within = within & least.at_most(*rod) & rod.at_most(most);
+        }
+        within
+    }
+}
+
+impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
+    /// Whether poses remain without an answer; their status is another than solved.
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { work, task, limits, method, .. } = self;
+        let count = Lanes::<S>::COUNT;
+        let poses = work.status.len();
+        let (whole, blocks) = (poses / count, poses.div_ceil(count));
+        let needs = Needs::of(work.wanted);
+        let given = work.rods.each_ref().map(Column::registers::<S>);
+        let mut rest = [simd.splat_f64s(0.0); PLACES];
+        let mut doubtful = false;
+        work.status.fill(Status::Solved);
+        for part in [0..whole, whole..blocks] {
+            // Whole blocks are written to the columns, the rest is copied to them afterwards.
+            let written_from = part.start;
+            let mut results = if part.end == whole {
+                Results::<S>::new(work.wanted)
+            } else {
+                Results::one(&mut rest)
+            };
+            for block in part {
+                let first = block * count;
+                let mut rods = [Lanes::splat(simd, 0.0); 3];
+                for k in 0..3 {
+                    rods[k] = match given[k].get(block) {
+                        Some(register) => Lanes::from_register(simd, *register),
+                        None => work.rods[k].lanes(simd, first),
+                    };
+                }
+                let balls = Balls::new(task.geometry, rods);
+                let found = method.found::<S, M>(&task, &balls);
+                results.select(block - written_from);
+                let certain = fill::<S, M>(&mut results, &needs, &task, &balls, &found);
+                let mut solved = found.met & certain & balls.moderate(&rods);
+                if let Some(limits) = &limits {
+                    solved = solved & limits.holds(task.geometry, &rods, &balls);
+                }
+                if !solved.all() {
+                    doubtful = true;
+                    let lanes = count.min(poses - first);
+                    for (lane, solved) in solved.answers()[..lanes].iter().enumerate() {
+                        if !solved {
+                            work.status[first + lane] = Status::NotConverged;
+                        }
+                    }
+                }
+            }
+        }
+        repeat(work.wanted, whole * count);
+        for (quantity, column) in &mut *work.wanted {
+            let register = rest[place(*quantity)];
+            Lanes::from_register(simd, register).store(column, whole * count);
+        }
+        doubtful
+    }
+}
+
+/// Writes the values that are needed, each what [`value`](super::forward::value) is for one pose; returns the lanes whose values are valid.
+#[inline(always)]
+fn fill<S: Simd, M: Model>(
+    results: &mut Results<'_, S>,
+    needs: &Needs,
+    task: &Task<'_>,
+    balls: &Balls<S>,
+    found: &Found<S>,
+) -> Mask<S> {
+    let zero = balls.mean.like(0.0);
+    let mut certain = zero.at_most(zero);
+    if needs.iterations {
+        results.put(Quantity::Iterations, found.iterations);
+    }
+    for k in 0..3 {
+        results.put(Quantity::VirtualJoint(k), found.a[k]);
+        if M::ACROSS {
+            results.put(Quantity::VirtualJoint(3 + k), found.b[k]);
+        }
+    }
+    if needs.virtual_displacements {
+        let start = task.geometry.start::<M>();
+        for k in 0..3 {
+            results.put(Quantity::VirtualDisplacement(k), found.a[k] - start[k]);
+            results.put(Quantity::VirtualDisplacement(3 + k), found.b[k]);
+        }
+    }
+    if needs.sides {
+        for k in 0..3 {
+            results.put(Quantity::Side(k), balls.squares[k].sqrt());
+        }
+    }
+    if needs.displacement {
+        results.put(Quantity::Displacement, displacement::<S, M>(task, found));
+    }
+    if needs.ball_displacements {
+        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
+        for (k, displacement) in shape.ball_displacements(task.geometry).into_iter().enumerate() {
+            results.put(Quantity::BallDisplacement(k), displacement);
+        }
+    }
+    if needs.residual {
+        results.put(Quantity::Residual, found.residual(task.geometry, balls));
+    }
+    if needs.pose {
+        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
+        let plane = Plane::new(task.geometry, balls);
+        let placed = PlatformPoses::new(task.geometry, balls, &plane, &shape);
+        for axis in 0..3 {
+            results.put(Quantity::Origin(axis), placed.origin[axis]);
+            results.put(Quantity::Normal(axis), placed.normal[axis]);
+        }
+        if needs.torsion {
+            results.put(Quantity::Torsion, placed.torsion());
+        }
+        if needs.rotation {
+            let results = &mut *results;
+            zero.outlined(
+                #[inline(always)]
+                move || {
+                    for (column, axis) in placed.axes().into_iter().enumerate() {
+                        for (row, entry) in axis.into_iter().enumerate() {
+                            results.put(Quantity::Rotation(row, column), entry);
+                        }
+                    }
+                },
+            );
+        }
+        if needs.coordinates {
+            let results = &mut *results;
+            zero.outlined(
+                #[inline(always)]
+                move || fill_coordinates(results, needs, &placed),
+            );
+        }
+    }
+    if needs.sensitivity {
+        let (balls, a, b) = (*balls, found.a, found.b);
+        let (singular_values, orthogonal) = zero.outlined(
+            #[inline(always)]
+            move || {
+                let shape = Shape::at::<M>(task.geometry, a, b);
+                singular_values::sensitivity::<S, M>(task, &balls, &shape)
+            },
+        );
+        for (index, value) in singular_values.into_iter().enumerate() {
+            results.put(Quantity::Sensitivity(index), value);
+        }
+        certain = orthogonal;
+    }
+    certain
+}
+
+/// Angles of the tilt, and the height.
+#[inline(always)]
+fn fill_coordinates<S: Simd>(
+    results: &mut Results<'_, S>,
+    needs: &Needs,
+    placed: &PlatformPoses<S>,
+) {
+    if needs.azimuth {
+        results.put(Quantity::Azimuth, placed.azimuth());
+    }
+    if needs.tilt_angle {
+        results.put(Quantity::TiltAngle, placed.tilt_angle());
+    }
+    if needs.axis_height {
+        results.put(Quantity::AxisHeight, placed.axis_height());
+    }
+}
+
+#[inline(always)]
+fn displacement<S: Simd, M: Model>(task: &Task<'_>, found: &Found<S>) -> Lanes<S> {
+    let mut a = found.a;
+    for (a, start) in a.iter_mut().zip(task.geometry.start::<M>()) {
+        *a = *a - start;
+    }
+    kernel::squared::<S, M>(task, &a, &found.b).sqrt()
+}
