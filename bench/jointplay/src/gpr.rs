@@ -111,7 +111,9 @@ impl Work for Own {
     fn solve(&mut self) -> usize {
         self.answers.clear();
         self.answers.extend(self.rods.iter().map(|&rods| {
-            let forward = self.solver.forward(rods).ok()?;
+            // By reference: a pose with all that belongs to it is not copied.
+            let forward = &self.solver.forward(rods);
+            let forward = forward.as_ref().ok()?;
             let mut virtual_joints = [0.0; 6];
             virtual_joints.copy_from_slice(&forward.solution.virtual_joints);
             Some((forward.base_from_platform, virtual_joints))

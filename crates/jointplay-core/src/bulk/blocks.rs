@@ -87,7 +87,7 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
                 let balls = Balls::new(task.geometry, rods);
                 let found = method.found::<S, M>(&task, &balls);
                 results.select(block - written_from);
-                let certain = fill::<S, M>(&mut results, &needs, &task, &balls, &found);
+                let certain = fill::<S, M, W>(&mut results, &needs, &method, &task, &balls, &found);
                 let mut solved = found.met & certain & balls.moderate(&rods);
                 if let Some(limits) = &limits {
                     solved = solved & limits.holds(task.geometry, &rods, &balls);
@@ -114,9 +114,10 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
 
 /// Writes the values that are needed, each what [`value`](super::forward::value) is for one pose; returns the lanes whose values are valid.
 #[inline(always)]
-fn fill<S: Simd, M: Model>(
+fn fill<S: Simd, M: Model, W: Method>(
     results: &mut Results<'_, S>,
     needs: &Needs,
+    method: &W,
     task: &Task<'_>,
     balls: &Balls<S>,
     found: &Found<S>,
@@ -157,9 +158,7 @@ fn fill<S: Simd, M: Model>(
         results.put(Quantity::Residual, found.residual(task.geometry, balls));
     }
     if needs.pose {
-        let shape = Shape::at::<M>(task.geometry, found.a, found.b);
-        let plane = Plane::new(task.geometry, balls);
-        let placed = PlatformPoses::new(task.geometry, balls, &plane, &shape);
+        let placed = method.placed::<S, M>(task.geometry, balls, found);
         for axis in 0..3 {
             results.put(Quantity::Origin(axis), placed.origin[axis]);
             results.put(Quantity::Normal(axis), placed.normal[axis]);

@@ -7,9 +7,9 @@ use pulp::{Simd, WithSimd};
 use super::forward::Work;
 use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
-use crate::gpr::{Gpr, PlatformPose, ball_sides, solution};
-use crate::kernel::{self, FirstStep, JointPolynomials, Model, Single, Task};
-use crate::virtualization::{BuiltIn, Solution, SolveOptions, VirtualJoints, solve};
+use crate::gpr::{Gpr, PlatformPose, solution};
+use crate::kernel::{self, FirstStep, JointPolynomials, Model, Sample, Single, Task};
+use crate::virtualization::{BuiltIn, Solution, SolveOptions};
 
 /// Relative threshold of the interpolated poses: some ten times round-off.
 const SAMPLE_THRESHOLD: f64 = 4e-15;
@@ -74,10 +74,13 @@ impl PoseSolver {
     fn interpolated(&self) -> Option<JointPolynomials> {
         let (gpr, model) = (&self.gpr, self.virtualization.model());
         let tight = SolveOptions { relative_threshold: SAMPLE_THRESHOLD, ..self.options };
-        let joints = |slope: [f64; 2]| -> Option<VirtualJoints> {
+        let sample = |slope: [f64; 2]| -> Option<Sample> {
             let rods = gpr.base_points().map(|point| point.x * slope[0] + point.y * slope[1]);
-            let sides = ball_sides(&gpr.ball_centers(&rods));
-            Some(solve(model, gpr.platform(), &sides, &tight).ok()?.virtual_joints)
+            let pose = gpr.general_pose(rods, model, &tight).ok()?;
+            let virtual_joints = pose.solution.virtual_joints;
+            let [a, b, c] = model.sockets(gpr.platform(), &virtual_joints);
+            let center = ((a + b + c) / 3.0).into();
+            Some(Sample { virtual_joints, torsion: pose.torsion(), center })
         };
         let radius = gpr.platform().mean_radius();
         let weights: Vec<f64> =
@@ -86,7 +89,8 @@ impl PoseSolver {
             &gpr.dimensions().base_edges,
             SLOPE_MARGIN * gpr.steepest(),
             &weights,
-            joints,
+            radius,
+            sample,
         )
     }
 
@@ -162,7 +166,7 @@ impl PoseSolver {
 
     /// By the polynomials, or by the solver where there are none.
     #[inline(always)]
-    fn single<S: Simd, M: Model>(
+    fn single<S: Simd, M: Model, const POSE: bool>(
         &self,
         simd: S,
         task: &Task<'_>,
@@ -171,7 +175,7 @@ impl PoseSolver {
         // Nothing is compiled for polynomials that a model never has.
         match &self.polynomials {
             Some(polynomials) if M::SETTLES => {
-                Single::by_polynomials::<S, M>(simd, task, polynomials, rods)
+                Single::by_polynomials::<S, M, POSE>(simd, task, polynomials, rods)
             }
             _ => Single::new::<M>(task, rods),
         }
@@ -192,7 +196,7 @@ impl<M: Model> WithSimd for PoseCall<'_, M> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { solver, rods, .. } = self;
         let task = solver.task::<M>();
-        match solver.single::<S, M>(simd, &task, &rods) {
+        match solver.single::<S, M, true>(simd, &task, &rods) {
             Some(found) => {
                 let found = found.pose::<M>(task.geometry);
                 Ok(solver.gpr.found_pose(rods, &task, solver.characteristic_length, found))
@@ -216,7 +220,7 @@ impl<M: Model> WithSimd for JointsCall<'_, M> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { solver, rods, .. } = self;
         let task = solver.task::<M>();
-        match solver.single::<S, M>(simd, &task, &rods) {
+        match solver.single::<S, M, false>(simd, &task, &rods) {
             Some(found) => {
                 let found = found.joints::<M>(task.geometry);
                 Ok(solution(&task, solver.characteristic_length, found))

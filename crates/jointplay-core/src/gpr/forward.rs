@@ -152,7 +152,7 @@ impl Gpr {
     }
 
     /// A pose of any virtualization, by [`solve`].
-    fn general_pose<V: Virtualization + ?Sized>(
+    pub(crate) fn general_pose<V: Virtualization + ?Sized>(
         &self,
         rods: [f64; 3],
         virtualization: &V,

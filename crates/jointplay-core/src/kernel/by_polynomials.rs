@@ -3,11 +3,12 @@
 use pulp::{Scalar, Simd};
 
 use super::found::{Found, Gaps};
-use super::geometry::Task;
-use super::joint_polynomials::{Coefficients, JOINTS, JointPolynomials, Order, TERMS};
+use super::geometry::{Geometry, Task};
+use super::joint_polynomials::{Coefficients, JOINTS, JointPolynomials, Order, SINE, TERMS};
 use super::lanes::{Lanes, MOST};
 use super::model::Model;
 use super::polar;
+use super::pose::{InPlane, Plane, PlatformPoses};
 use super::shape::{Balls, Shape, Three};
 use super::solve::Method;
 
@@ -18,6 +19,23 @@ impl<const N: usize> Method for ByPolynomials<'_, N> {
     #[inline(always)]
     fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         self.0.found::<S, M, N>(task, balls)
+    }
+
+    #[inline(always)]
+    fn placed<S: Simd, M: Model>(
+        &self,
+        geometry: &Geometry,
+        balls: &Balls<S>,
+        _: &Found<S>,
+    ) -> PlatformPoses<S> {
+        let Self(polynomials) = self;
+        let terms = polynomials.terms::<S, N>(balls);
+        let rows = &polynomials.coefficients;
+        let in_plane = InPlane {
+            sine: value::<S, N>(rows, SINE, &terms),
+            center: [value::<S, N>(rows, SINE + 1, &terms), value::<S, N>(rows, SINE + 2, &terms)],
+        };
+        PlatformPoses::at(geometry, balls, &Plane::new(geometry, balls), in_plane)
     }
 }
 
@@ -42,35 +60,45 @@ impl JointPolynomials {
     }
 
     /// The virtual joints of one pose, side by side; met where the slopes are not too large and the sides are met.
+    ///
+    /// With the place of the platform in the plane, if `PLACED`.
     #[inline(always)]
-    pub(super) fn found_one<W: Simd, M: Model>(
+    pub(super) fn found_one<W: Simd, M: Model, const PLACED: bool>(
         &self,
         wide: W,
         task: &Task<'_>,
         balls: &Balls<Scalar>,
-    ) -> Found<Scalar> {
+    ) -> (Found<Scalar>, Option<InPlane<Scalar>>) {
         match self.order() {
-            Order::Three => self.one::<W, M, 3>(wide, task, balls),
-            Order::Four => self.one::<W, M, 4>(wide, task, balls),
+            Order::Three => self.one::<W, M, 3, PLACED>(wide, task, balls),
+            Order::Four => self.one::<W, M, 4, PLACED>(wide, task, balls),
         }
     }
 
     #[inline(always)]
-    fn one<W: Simd, M: Model, const N: usize>(
+    fn one<W: Simd, M: Model, const N: usize, const PLACED: bool>(
         &self,
         wide: W,
         task: &Task<'_>,
         balls: &Balls<Scalar>,
-    ) -> Found<Scalar> {
+    ) -> (Found<Scalar>, Option<InPlane<Scalar>>) {
         let terms = self.terms::<Scalar, N>(balls);
         let count = if M::ACROSS { JOINTS } else { JOINTS / 2 };
-        let joints = values::<W, N>(wide, &self.coefficients, count, &terms);
+        let joints = values::<W, N>(wide, &self.coefficients, 0, count, &terms);
+        let in_plane = PLACED.then(
+            #[inline(always)]
+            || {
+                let place = values::<W, N>(wide, &self.coefficients, SINE, 3, &terms);
+                let [sine, x, y] = [0, 1, 2].map(|k| terms[0].like(place[k]));
+                InPlane { sine, center: [x, y] }
+            },
+        );
         let (mut a, mut b) = ([terms[0]; 3], [terms[0]; 3]);
         for k in 0..3 {
             a[k] = terms[0].like(joints[k]);
             b[k] = terms[0].like(joints[3 + k]);
         }
-        self.checked::<Scalar, M>(task, balls, a, b, &terms)
+        (self.checked::<Scalar, M>(task, balls, a, b, &terms), in_plane)
     }
 
     /// Terms for the slopes of planes through the balls.
@@ -182,16 +210,18 @@ fn value<S: Simd, const N: usize>(
     sum + second + third
 }
 
-/// Values of the polynomials of the first `count` virtual joints, side by side: a sum for each degree, so that none waits for the others.
+/// Values of `count` polynomials from `start` on, side by side: a sum for each degree, so that none waits for the others.
 #[inline(always)]
 fn values<W: Simd, const N: usize>(
     wide: W,
     coefficients: &Coefficients,
+    start: usize,
     count: usize,
     terms: &[Lanes<Scalar>; TERMS],
 ) -> [f64; MOST] {
     let mut values = [0.0; MOST];
-    for first in (0..count).step_by(Lanes::<W>::COUNT) {
+    for from in (0..count).step_by(Lanes::<W>::COUNT) {
+        let first = start + from;
         let constant = Lanes::of(wide, &coefficients.0[0][first..first + Lanes::<W>::COUNT]);
         let low = constant + degree(wide, coefficients, 1, first, terms);
         let high = degree(wide, coefficients, 2, first, terms)
@@ -200,7 +230,7 @@ fn values<W: Simd, const N: usize>(
         if N > 3 {
             sum = sum + degree(wide, coefficients, 4, first, terms);
         }
-        sum.store(&mut values, first);
+        sum.store(&mut values, from);
     }
     values
 }
@@ -226,6 +256,7 @@ fn degree<W: Simd>(
 
 #[cfg(test)]
 mod tests {
+    use super::super::joint_polynomials::COLUMNS;
     use super::*;
 
     /// Programs and processors that differ in registers find the same virtual joints.
@@ -236,28 +267,28 @@ mod tests {
             next = (next * 1.618_033_988_749_895).fract() + 1e-3;
             next - 0.5
         };
-        let mut rows = [[0.0; MOST]; TERMS];
+        let mut rows = [[0.0; COLUMNS]; TERMS];
         rows.iter_mut().for_each(|row| row[..JOINTS].fill_with(&mut number));
         let coefficients = Coefficients(rows);
         let terms =
             terms::<Scalar, 4>(Lanes::splat(Scalar, number()), Lanes::splat(Scalar, number()));
         let bits = |values: [f64; MOST]| values[..JOINTS].iter().map(|x| x.to_bits()).collect();
-        let expected: Vec<u64> = bits(values::<_, 4>(Scalar, &coefficients, JOINTS, &terms));
+        let expected: Vec<u64> = bits(values::<_, 4>(Scalar, &coefficients, 0, JOINTS, &terms));
         for (joint, expected) in expected.iter().enumerate() {
             let alone = value::<Scalar, 4>(&coefficients, joint, &terms).number();
             assert!((alone - f64::from_bits(*expected)).abs() < 1e-14);
         }
         let check = |found: [f64; MOST]| assert_eq!(bits(found), expected);
-        check(values::<_, 4>(pulp::Scalar128b, &coefficients, JOINTS, &terms));
-        check(values::<_, 4>(pulp::Scalar256b, &coefficients, JOINTS, &terms));
-        check(values::<_, 4>(pulp::Scalar512b, &coefficients, JOINTS, &terms));
+        check(values::<_, 4>(pulp::Scalar128b, &coefficients, 0, JOINTS, &terms));
+        check(values::<_, 4>(pulp::Scalar256b, &coefficients, 0, JOINTS, &terms));
+        check(values::<_, 4>(pulp::Scalar512b, &coefficients, 0, JOINTS, &terms));
         struct Wide<'a>(&'a Coefficients, &'a [Lanes<Scalar>; TERMS]);
         impl pulp::WithSimd for Wide<'_> {
             type Output = [f64; MOST];
 
             #[inline(always)]
             fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-                values::<S, 4>(simd, self.0, JOINTS, self.1)
+                values::<S, 4>(simd, self.0, 0, JOINTS, self.1)
             }
         }
         check(pulp::Arch::new().dispatch(Wide(&coefficients, &terms)));

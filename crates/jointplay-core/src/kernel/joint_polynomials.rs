@@ -20,6 +20,12 @@ use crate::virtualization::VirtualJoints;
 pub(super) const TERMS: usize = 25;
 /// Most virtual joints.
 pub(super) const JOINTS: usize = 6;
+/// Column of the sine of the torsion, behind which are the coordinates of the centroid of the sockets in the plane.
+pub(super) const SINE: usize = MOST;
+/// Columns of coefficients: those of the virtual joints fill the widest register, and the rest another.
+pub(super) const COLUMNS: usize = 2 * MOST;
+/// Largest torsion (rad).
+const LARGEST_TORSION: f64 = 0.5;
 /// Largest error of the sockets, as a share of the longest side of the base.
 const LARGEST_ERROR: f64 = 1e-13;
 /// Largest slope that is tried: that of 20°.
@@ -47,22 +53,45 @@ pub(crate) struct JointPolynomials {
     pub(super) longest_squared: f64,
 }
 
-/// For each term, its coefficient in each virtual joint ((m), (rad)); then zeros, so that those of a term fill the widest register.
+/// For each term, its coefficient in each virtual joint ((m), (rad)) and from [`SINE`] on in the place of the platform; zeros between them.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(align(64))]
-pub(super) struct Coefficients(pub(super) [[f64; MOST]; TERMS]);
+pub(super) struct Coefficients(pub(super) [[f64; COLUMNS]; TERMS]);
 
 impl Coefficients {
     /// # Arguments
-    /// * `rows` – coefficients of each virtual joint
-    fn new(rows: &[[f64; TERMS]; JOINTS]) -> Self {
-        let mut coefficients = [[0.0; MOST]; TERMS];
-        for (joint, row) in rows.iter().enumerate() {
+    /// * `rows` – coefficients of each value of a [`Sample`]
+    fn new(rows: &[[f64; TERMS]; SAMPLE]) -> Self {
+        let mut coefficients = [[0.0; COLUMNS]; TERMS];
+        for (value, row) in rows.iter().enumerate() {
+            let column = if value < JOINTS { value } else { SINE + value - JOINTS };
             for (term, coefficient) in row.iter().enumerate() {
-                coefficients[term][joint] = *coefficient;
+                coefficients[term][column] = *coefficient;
             }
         }
         Self(coefficients)
+    }
+}
+
+/// What the polynomials are interpolated from, at one slope.
+pub(crate) struct Sample {
+    pub(crate) virtual_joints: VirtualJoints,
+    /// Turn about the normal beyond the shortest rotation to it (rad).
+    pub(crate) torsion: f64,
+    /// Centroid of the sockets in the platform frame (m).
+    pub(crate) center: [f64; 2],
+}
+
+/// Values of a sample: virtual joints, the sine of the torsion, the centroid of the sockets in the plane.
+const SAMPLE: usize = JOINTS + 3;
+
+impl Sample {
+    fn values(&self) -> Option<[f64; SAMPLE]> {
+        let mut values = [0.0; SAMPLE];
+        values[..self.virtual_joints.len()].copy_from_slice(&self.virtual_joints);
+        let ((sine, cosine), [x, y]) = (libm::sincos(self.torsion), self.center);
+        values[JOINTS..].copy_from_slice(&[sine, cosine * x - sine * y, sine * x + cosine * y]);
+        (self.torsion.abs() < LARGEST_TORSION).then_some(values)
     }
 }
 
@@ -76,23 +105,23 @@ impl JointPolynomials {
     /// # Arguments
     /// * `base_edges` – edges of the base triangle (m)
     /// * `largest_slope` – up to which they are wanted
-    /// * `joints` – virtual joints for given slopes of the plane through the balls
-    /// * `weights` – lengths of units of the virtual joints ((m/m), (m/rad))
+    /// * `joint_weights` – lengths of units of the virtual joints ((m/m), (m/rad))
+    /// * `radius` – of the platform, at which its torsion counts (m)
+    /// * `sample` – virtual joints and platform for given slopes of the plane through the balls
     pub(crate) fn new(
         base_edges: &[[f64; 2]; 3],
         largest_slope: f64,
-        weights: &[f64],
-        joints: impl Fn([f64; 2]) -> Option<VirtualJoints>,
+        joint_weights: &[f64],
+        radius: f64,
+        sample: impl Fn([f64; 2]) -> Option<Sample>,
     ) -> Option<Self> {
-        let joints = |slope: [f64; 2]| {
-            let mut row = [0.0; JOINTS];
-            let found = joints(slope)?;
-            row[..found.len()].copy_from_slice(&found);
-            Some(row)
-        };
+        let joints = |slope: [f64; 2]| sample(slope)?.values();
+        let mut weights = [1.0; SAMPLE];
+        weights[..joint_weights.len()].copy_from_slice(joint_weights);
+        weights[JOINTS] = radius;
         let squares = base_edges.map(|[x, y]| x * x + y * y);
         let allowed = LARGEST_ERROR * squares[0].max(squares[1]).max(squares[2]).sqrt();
-        let error = |coefficients: &[[f64; TERMS]; JOINTS], order: usize, largest: f64| {
+        let error = |coefficients: &[[f64; TERMS]; SAMPLE], order: usize, largest: f64| {
             let mut error = 0.0_f64;
             for point in points(order, extrema, 0.5) {
                 let expected = joints(point.map(|slope| slope * largest))?;
@@ -203,13 +232,13 @@ fn points(
 
 /// Coefficients of the polynomials that interpolate the virtual joints; `None` where a point has none.
 fn interpolate(
-    joints: &impl Fn([f64; 2]) -> Option<[f64; JOINTS]>,
+    joints: &impl Fn([f64; 2]) -> Option<[f64; SAMPLE]>,
     order: usize,
     largest: f64,
-) -> Option<[[f64; TERMS]; JOINTS]> {
+) -> Option<[[f64; TERMS]; SAMPLE]> {
     let along = 2 * order + 1;
     let level = joints([0.0; 2])?;
-    let mut values = [[[0.0; 9]; 4]; JOINTS];
+    let mut values = [[[0.0; 9]; 4]; SAMPLE];
     for (i, point) in points(order, nodes, 0.0).enumerate() {
         let (circle, k) = (i / along, i % along);
         let found = joints(point.map(|slope| slope * largest))?;
@@ -217,7 +246,7 @@ fn interpolate(
             value[circle][k] = (found - level) / nodes(circle, order);
         }
     }
-    let mut rows = [[0.0; TERMS]; JOINTS];
+    let mut rows = [[0.0; TERMS]; SAMPLE];
     for ((row, values), level) in rows.iter_mut().zip(&values).zip(level) {
         row[0] = level;
         for m in 0..=order {

@@ -20,7 +20,7 @@ mod trigonometry;
 pub(crate) use by_polynomials::ByPolynomials;
 pub(crate) use found::{Found, squared};
 pub(crate) use geometry::{FirstStep, Geometry, Task};
-pub(crate) use joint_polynomials::{JointPolynomials, Order};
+pub(crate) use joint_polynomials::{JointPolynomials, Order, Sample};
 pub(crate) use lanes::{Lanes, MOST, Mask};
 pub(crate) use model::{Model, Offset, Planar, Polar, Radial};
 pub(crate) use pose::{Plane, PlatformPoses};

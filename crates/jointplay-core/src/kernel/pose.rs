@@ -60,15 +60,11 @@ impl<S: Simd> PlatformPoses<S> {
         plane: &Plane<S>,
         shape: &Shape<S>,
     ) -> Self {
-        let [x, y, z] = plane.across;
-        let area = plane.area;
-        // With n the normal: 1/(area (area + z)) gives both n and n/(1 + n_z) in one division.
-        let both = ((area + z) * area).inverse();
-        let (per_area, per_slope) = ((area + z) * both, area * both);
-        let normal = [x * per_area, y * per_area, z * per_area];
-        // e_p1 and e_p2 of a platform that tilts without a torsion are e_1 − slope_x (n + e_3) and e_2 − slope_y (n + e_3).
-        let slope = [x * per_slope, y * per_slope];
-        let (mut cosine, mut sine) = (x.like(0.0), x.like(0.0));
+        let tilted = Tilted::new(plane);
+        let slope = tilted.slope;
+        let x = slope[0];
+        // Sums of three products each, so that none waits for the sum before.
+        let (mut cosines, mut sines) = ([x; 3], [x; 3]);
         for k in 0..3 {
             let rise = balls.rises[k];
             let [base_x, base_y] = geometry.base_edges[k];
@@ -76,33 +72,39 @@ impl<S: Simd> PlatformPoses<S> {
             let onto_x = slope[0].times_from(rise, x.like(base_x));
             let onto_y = slope[1].times_from(rise, x.like(base_y));
             let [from_x, from_y] = shape.edges[k];
-            cosine = from_x.times_plus(onto_x, from_y.times_plus(onto_y, cosine));
-            sine = from_y.times_from(onto_x, from_x.times_plus(onto_y, sine));
+            cosines[k] = from_x.times_plus(onto_x, from_y * onto_y);
+            sines[k] = from_y.times_from(onto_x, from_x * onto_y);
         }
-        // The length of (cosine, sine) is the sum of the squared sides but for what is missing from them; one step of Newton's method for the root takes that away.
-        let [l_1, l_2, l_3] = balls.squares;
-        let rough = (l_1 + l_2 + l_3).inverse();
-        let (cosine, sine) = (cosine * rough, sine * rough);
-        let length = cosine.times_plus(cosine, sine * sine);
-        let exact = length.times_from(length.like(0.5), length.like(1.5));
-        let (cosine, sine) = (cosine * exact, sine * exact);
-        let mut center = [x.like(0.0); 2];
+        let rough = total(&balls.squares).inverse();
+        let (cosine, sine) = (total(&cosines) * rough, total(&sines) * rough);
+        // The length of (cosine, sine) is one but for what is missing from the sides: 1/√(1 − m) as a series.
+        // With what is missing to the last digit, so that a platform without torsion has none.
+        let missing = sine.times_from(sine, cosine.times_from(cosine, cosine.like(1.0)));
+        let series = missing.times_plus(missing.like(0.3125), missing.like(0.375));
+        let longer = missing * missing.times_plus(series, missing.like(0.5));
+        let (cosine, sine) = (cosine.times_plus(longer, cosine), sine.times_plus(longer, sine));
+        let mut center = [x; 2];
         for (axis, center) in center.iter_mut().enumerate() {
             let [p_1, p_2, p_3] = shape.sockets;
             *center = (p_1[axis] + p_2[axis] + p_3[axis]) * (1.0 / 3.0);
         }
-        let turned = [
+        let center = [
             sine.times_from(center[1], cosine * center[0]),
             sine.times_plus(center[0], cosine * center[1]),
         ];
-        let along_slope = slope[0].times_plus(turned[0], slope[1] * turned[1]);
-        let rise = normal[0].times_plus(turned[0], normal[1] * turned[1]);
-        let origin = [
-            normal[0].times_plus(along_slope, x.like(geometry.base_center[0]) - turned[0]),
-            normal[1].times_plus(along_slope, x.like(geometry.base_center[1]) - turned[1]),
-            balls.mean + rise,
-        ];
-        Self { origin, normal, turn: [cosine, sine], slope }
+        tilted.placed(geometry, balls, [cosine, sine], center)
+    }
+
+    /// The platform in the plane through the balls at a known place in it.
+    #[inline(always)]
+    pub(super) fn at(
+        geometry: &Geometry,
+        balls: &Balls<S>,
+        plane: &Plane<S>,
+        InPlane { sine, center }: InPlane<S>,
+    ) -> Self {
+        let cosine = sine.times_from(sine, sine.like(1.0)).sqrt();
+        Tilted::new(plane).placed(geometry, balls, [cosine, sine], center)
     }
 
     /// Axes of the platform frame in the base frame: columns of the rotation.
@@ -114,10 +116,7 @@ impl<S: Simd> PlatformPoses<S> {
         // The axes of a platform without torsion, then turned about the normal.
         let first = [slope_x.times_from(n_x, one), -(slope_x * n_y), -(slope_x * slope_z)];
         let second = [-(slope_y * n_x), slope_y.times_from(n_y, one), -(slope_y * slope_z)];
-        // A second step to length one, with what is missing from it to the last digit, so that a platform without torsion has none.
         let [cosine, sine] = self.turn;
-        let missing = sine.times_from(sine, cosine.times_from(cosine, one)) * 0.5;
-        let (cosine, sine) = (cosine.times_plus(missing, cosine), sine.times_plus(missing, sine));
         let mut axes = [first, second, self.normal];
         for axis in 0..3 {
             let (a, b) = (first[axis], second[axis]);
@@ -156,4 +155,60 @@ impl<S: Simd> PlatformPoses<S> {
         let ([x, y, z], [o_x, o_y, o_z]) = (self.normal, self.origin);
         x.times_plus(o_x, y * o_y) / z + o_z
     }
+}
+
+/// Where platforms sit in the planes through their balls, in axes of the planes without a torsion.
+#[derive(Clone, Copy)]
+pub(super) struct InPlane<S: Simd> {
+    /// Sine of the torsion, whose cosine is positive.
+    pub(super) sine: Lanes<S>,
+    /// Centroid of the sockets, seen from O_p (m).
+    pub(super) center: [Lanes<S>; 2],
+}
+
+/// Axes of planes.
+#[derive(Clone, Copy)]
+struct Tilted<S: Simd> {
+    /// Upward, in the base frame.
+    normal: Three<S>,
+    /// n/(1 + n_z), its horizontal part: e_1 − slope_x (n + e_3) and e_2 − slope_y (n + e_3) are the axes of a platform that tilts without a torsion.
+    slope: [Lanes<S>; 2],
+}
+
+impl<S: Simd> Tilted<S> {
+    #[inline(always)]
+    fn new(plane: &Plane<S>) -> Self {
+        let ([x, y, z], area) = (plane.across, plane.area);
+        // With n the normal: 1/(area (area + z)) gives both n and n/(1 + n_z) in one division.
+        let both = ((area + z) * area).inverse();
+        let (per_area, per_slope) = ((area + z) * both, area * both);
+        let normal = [x * per_area, y * per_area, z * per_area];
+        Self { normal, slope: [x * per_slope, y * per_slope] }
+    }
+
+    /// Platforms with a turn, and with the centroids of their sockets at those of the balls.
+    #[inline(always)]
+    fn placed(
+        self,
+        geometry: &Geometry,
+        balls: &Balls<S>,
+        turn: [Lanes<S>; 2],
+        center: [Lanes<S>; 2],
+    ) -> PlatformPoses<S> {
+        let Self { normal, slope } = self;
+        let along_slope = slope[0].times_plus(center[0], slope[1] * center[1]);
+        let rise = normal[0].times_plus(center[0], normal[1] * center[1]);
+        let [base_x, base_y] = geometry.base_center.map(|base| rise.like(base));
+        let origin = [
+            normal[0].times_plus(along_slope, base_x - center[0]),
+            normal[1].times_plus(along_slope, base_y - center[1]),
+            balls.mean + rise,
+        ];
+        PlatformPoses { origin, normal, turn, slope }
+    }
+}
+
+#[inline(always)]
+fn total<S: Simd>([a, b, c]: &Three<S>) -> Lanes<S> {
+    *a + *b + *c
 }

@@ -8,7 +8,7 @@ use super::geometry::{Geometry, Task};
 use super::joint_polynomials::JointPolynomials;
 use super::lanes::Lanes;
 use super::model::Model;
-use super::pose::{Plane, PlatformPoses};
+use super::pose::{InPlane, Plane, PlatformPoses};
 use super::shape::{Balls, Shape};
 use super::solve::solved;
 use crate::spatial::Pose;
@@ -38,6 +38,8 @@ pub(crate) struct Single {
     balls: Balls<Scalar>,
     plane: Plane<Scalar>,
     found: Found<Scalar>,
+    /// Where it was found together with them.
+    in_plane: Option<InPlane<Scalar>>,
 }
 
 impl Single {
@@ -50,35 +52,46 @@ impl Single {
             return None;
         }
         let balls = balls(task.geometry, rods);
-        Self::certain(task.geometry, balls, solved::<Scalar, M>(task, &balls))
+        Self::certain(task.geometry, balls, solved::<Scalar, M>(task, &balls), None)
     }
 
-    /// By polynomials; `None` where the answer is not beyond doubt.
+    /// By polynomials, for the pose too if `POSE`; `None` where the answer is not beyond doubt.
     #[inline(always)]
-    pub(crate) fn by_polynomials<W: Simd, M: Model>(
+    pub(crate) fn by_polynomials<W: Simd, M: Model, const POSE: bool>(
         wide: W,
         task: &Task<'_>,
         polynomials: &JointPolynomials,
         rods: &[f64; 3],
     ) -> Option<Self> {
         let balls = balls(task.geometry, rods);
-        let found = polynomials.found_one::<W, M>(wide, task, &balls);
-        Self::certain(task.geometry, balls, found)
+        let (found, in_plane) = polynomials.found_one::<W, M, POSE>(wide, task, &balls);
+        Self::certain(task.geometry, balls, found, in_plane)
     }
 
     #[inline(always)]
-    fn certain(geometry: &Geometry, balls: Balls<Scalar>, found: Found<Scalar>) -> Option<Self> {
+    fn certain(
+        geometry: &Geometry,
+        balls: Balls<Scalar>,
+        found: Found<Scalar>,
+        in_plane: Option<InPlane<Scalar>>,
+    ) -> Option<Self> {
         // Steeper triangles are slender: round-off in their sides is large in their corners.
         let plane = Plane::new(geometry, &balls);
         let flat = plane.area.at_most(plane.area.like(STEEPEST * geometry.base_area.abs()));
-        (found.met & flat).any().then_some(Self { balls, plane, found })
+        (found.met & flat).any().then_some(Self { balls, plane, found, in_plane })
     }
 
     /// The pose of the platform, with the virtual joints.
     #[inline(always)]
     pub(crate) fn pose<M: Model>(&self, geometry: &Geometry) -> SinglePose {
-        let shape = Shape::at::<M>(geometry, self.found.a, self.found.b);
-        let placed = PlatformPoses::new(geometry, &self.balls, &self.plane, &shape);
+        let Self { balls, plane, found, in_plane } = self;
+        let placed = match *in_plane {
+            Some(in_plane) => PlatformPoses::at(geometry, balls, plane, in_plane),
+            None => {
+                let shape = Shape::at::<M>(geometry, found.a, found.b);
+                PlatformPoses::new(geometry, balls, plane, &shape)
+            }
+        };
         let axes = placed.axes().map(|axis| axis.map(Lanes::number));
         let rotation = Matrix3::from_columns(&axes.map(Into::into));
         SinglePose {

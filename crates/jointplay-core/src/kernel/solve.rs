@@ -7,11 +7,11 @@ use pulp::Simd;
 use super::found::{
     Found, Gaps, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless, upright,
 };
-use super::geometry::Task;
+use super::geometry::{Geometry, Task};
 use super::lanes::{Lanes, Mask};
 use super::model::{self, Model};
 use super::polar;
-use super::pose::Plane;
+use super::pose::{Plane, PlatformPoses};
 use super::shape::{Balls, Response, Shape, Three, first_step, within};
 use super::symmetric::{Solution, solve_symmetric};
 use crate::virtualization::Solver;
@@ -21,6 +21,18 @@ use crate::virtualization::Solver;
 /// A type, so that a loop over poses is compiled for each: with all of them in one loop the registers do not suffice.
 pub(crate) trait Method {
     fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S>;
+
+    /// The platforms for the virtual joints found.
+    #[inline(always)]
+    fn placed<S: Simd, M: Model>(
+        &self,
+        geometry: &Geometry,
+        balls: &Balls<S>,
+        found: &Found<S>,
+    ) -> PlatformPoses<S> {
+        let shape = Shape::at::<M>(geometry, found.a, found.b);
+        PlatformPoses::new(geometry, balls, &Plane::new(geometry, balls), &shape)
+    }
 }
 
 /// See [`Solver::Newton`].
