@@ -102,6 +102,10 @@ impl Work<'_, '_> {
             // The kernel always takes one step.
             Some(first_step) if self.options.max_iterations > 0 => {
                 let task = Task { first_step: Some(first_step), ..task };
+                // Where many tilts of the robot are beyond the polynomials, trying them costs more than it gains.
+                let steepest = self.gpr.steepest();
+                self.polynomials =
+                    self.polynomials.filter(|polynomials| polynomials.reach(steepest));
                 // What a model never asks for is not compiled for it.
                 match (task.solver, self.polynomials) {
                     (Solver::ClosedForm, _) if M::CLOSED_FORM => {

@@ -18,9 +18,10 @@ const SLOPE_MARGIN: f64 = 1.4;
 
 /// Forward kinematics of one robot under one virtualization, prepared for many calls.
 ///
-/// The virtual joints are smooth functions of the slopes of the plane through the balls near level: they are interpolated by polynomials, to 10⁻¹³ of the longest side.
-/// Single poses use them with every solver, many poses where no closed form is asked for, which takes less time; the first step of Newton's method is prepared.
-/// Each pose is checked: where its sides are not met, or the tilt is larger, it is computed as by [`Gpr::forward`].
+/// The virtual joints, and the place of the platform in the plane through the balls, are smooth functions of the slopes of this plane near level: they are interpolated by polynomials, to 10⁻¹³ of the longest side.
+/// Single poses use them with every solver; many poses where they reach the largest tilt of the robot, and no closed form is asked for, which takes less time.
+/// The first step of Newton's method is prepared.
+/// The sides of each pose are checked: where they are not met, or the tilt is larger, it is computed as by [`Gpr::forward`].
 ///
 /// ```
 /// use jointplay_core::bulk::PoseSolver;

@@ -44,6 +44,8 @@ pub(crate) enum Order {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointPolynomials {
     order: Order,
+    /// Up to which they are made.
+    largest_slope: f64,
     /// From the first two differences of rods to slopes, divided by the largest (1/m).
     pub(super) slopes: [[f64; 2]; 2],
     pub(super) coefficients: Coefficients,
@@ -100,6 +102,11 @@ impl JointPolynomials {
         self.order
     }
 
+    /// Whether they are made for all planes up to this slope.
+    pub(crate) fn reach(&self, slope: f64) -> bool {
+        self.largest_slope >= slope
+    }
+
     /// Polynomials for slopes up to a largest one, or up to less where they would err by more than 10⁻¹³ of the longest side; `None` where all would.
     ///
     /// # Arguments
@@ -142,6 +149,7 @@ impl JointPolynomials {
                 if error <= allowed {
                     return Some(Self {
                         order,
+                        largest_slope: largest,
                         slopes: slopes(base_edges, largest),
                         coefficients: Coefficients::new(&coefficients),
                         half_inverses: squares.map(|square| half_inverse(square, largest)),
