@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { COMMAND, EXAMPLE_CELL, ROOT, accessibilityViolations, browse, bytesOf, complaints, frames, load, serve, unhandled, until, visit, type Server } from './studio';
+import { COMMAND, EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, frames, load, serve, unhandled, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let folder: string;
@@ -208,16 +208,29 @@ test('files of all kinds are opened, or their kind is reported', async () => {
     }, FOUR_BAR);
     await page.dispatchEvent('.mechanism', 'drop', { dataTransfer: dropped });
     await shows(page, 'mechanism-name', 'Four-bar linkage');
-    // A cell is offered to its own view.
+    // Cells and programs open in their own view.
     await input.setInputFiles(file('other.toml', EXAMPLE_CELL.replace(/name = "[^"]*"/, 'name = "dropped cell"')));
-    await shows(page, 'mechanism-notice', 'This is a work cell');
-    await page.getByRole('button', { name: 'Open it in the cell view' }).click();
     await page.getByRole('region', { name: 'Work cell' }).waitFor();
     await page.getByRole('tab', { name: 'Cell file' }).click();
     await page.locator('.cm-content').filter({ hasText: 'dropped cell' }).waitFor();
     // It is not the file of the server.
     await shows(page, 'cell-file', 'other.toml, not on the server');
     expect(readFileSync(cell, 'utf8')).toBe(EXAMPLE_CELL);
+    await page.getByRole('button', { name: 'Mechanism', exact: true }).click();
+    const program = await page.evaluateHandle((content) => {
+      const data = new DataTransfer();
+      data.items.add(new File([content], 'dropped.program'));
+      return data;
+    }, SHORT_PROGRAM);
+    await page.dispatchEvent('.mechanism', 'drop', { dataTransfer: program });
+    await page.getByRole('region', { name: 'Work cell' }).waitFor();
+    await page.locator('.cm-content').filter({ hasText: 'GET LP1 SLOT 1 WITH A' }).waitFor();
+    // A three-rod robot is shown as a mechanism, and in its own view.
+    await page.getByRole('button', { name: 'Mechanism', exact: true }).click();
+    await input.setInputFiles(file('robot.toml', readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/gpr.toml'), 'utf8').replace(/^name = "[^"]*"/m, 'name = "My robot"')));
+    await page.getByRole('button', { name: 'Open it in the robot view' }).click();
+    await page.getByTestId('robot-fields').waitFor();
+    await page.getByTestId('slider-tilt').waitFor();
   });
 });
 

@@ -7,6 +7,7 @@ import { otherFile } from '../api/otherFile';
 import { History } from '../lib/history';
 import type { CameraPose } from '../lib/hashParts';
 import type { MechanismLink, MechanismTab } from '../lib/mechanismLink';
+import { KINDS, rememberFile } from '../lib/recentFiles';
 import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
 import { shownNumber } from '../lib/shownNumber';
 import { textOf } from '../lib/textFile';
@@ -114,8 +115,8 @@ class MechanismSession {
   /** Errors by coordinate: values that cannot be commanded. */
   refused = $state.raw<Record<string, string>>({});
   notice = $state<string | null>(null);
-  /** Text of a file of another kind that another view shows. */
-  otherView = $state.raw<{ kind: 'cell'; name: string; text: string } | null>(null);
+  /** A file that another view shows, or of which this view shows a part. */
+  otherView = $state.raw<{ kind: 'cell' | 'program' | 'three_rods'; name: string; text: string } | null>(null);
   diskConflict = $state(false);
   moving = $state(false);
   reading = $state(false);
@@ -236,7 +237,7 @@ class MechanismSession {
       const { kind, diagnostics, mechanism } = opened;
       if (!mechanism && diagnostics.length === 0) {
         this.notice = `${name}: ${opened.note ?? ''}`;
-        if (kind === 'cell') this.otherView = { kind, name, text };
+        if (kind === 'cell' || kind === 'program') this.otherView = { kind, name, text };
         return false;
       }
       if (loops !== null && diagnostics.some(({ in_loops }) => in_loops)) {
@@ -251,6 +252,7 @@ class MechanismSession {
       else this.#history.commit(this.work);
       this.#updateHistory();
       this.notice = opened.note ?? null;
+      if (kind === 'three_rods') this.otherView = { kind, name, text };
       this.selected = null;
       this.#take(opened, true, 1);
       this.tab = diagnostics.length > 0 ? 'text' : 'tree';
@@ -279,7 +281,12 @@ class MechanismSession {
       const isLoops = ({ name, text }: Model) => /\.ya?ml$/i.test(name) || /^\s*kind\s*=\s*["']loops["']/m.test(text);
       const loops = texts.find(isLoops);
       const other = texts.find((one) => one !== loops);
-      if (other) await this.open(other.name, other.text, loops?.text ?? null);
+      if (other) {
+        const isOpen = await this.open(other.name, other.text, loops?.text ?? null);
+        const kind = KINDS.find((one) => one === this.opened?.kind);
+        // A model of two files is not remembered: its loops are in the other file.
+        if (isOpen && kind && !loops) rememberFile({ ...other, kind, opened_ms: Date.now() });
+      }
       else if (loops && this.#model) await this.open(this.#model.name, this.#model.text, loops.text);
       else if (loops) this.notice = `${loops.name} closes the loops of a model: open the model first, or both together.`;
     } catch (error) {
