@@ -1,0 +1,1 @@
+export{i as session}from"./session.svelte-DuhW4s9o.js";
