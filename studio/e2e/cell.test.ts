@@ -355,6 +355,11 @@ test('files that have changed on disk are overwritten only after confirmation', 
   await page.getByTestId('disk-conflict').waitFor();
   expect(unhandled(heard.splice(0))).toEqual([]);
   expect(readFileSync(path, 'utf8')).toBe(theirs);
+  await page.getByTestId('disk-conflict-show').click();
+  const difference = page.getByTestId('disk-conflict-difference');
+  await difference.first().waitFor();
+  expect([await difference.locator('.removed code').allTextContents(), await difference.locator('.added code').allTextContents()].map((lines) => lines.map((line) => /-49\d/.exec(line)?.[0]))).toEqual([['-493'], ['-492']]);
+  expect(await accessibilityViolations(page, '[data-testid=disk-conflict]')).toEqual([]);
   await page.getByRole('button', { name: 'Reload from disk' }).click();
   await until('theirs is here', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-493');
   await page.getByRole('button', { name: 'Undo' }).click();

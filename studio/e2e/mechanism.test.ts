@@ -198,6 +198,9 @@ test('files of all kinds are opened, or their kind is reported', async () => {
     const loops = 'kind = "loops"\nunits = { length = "m", angle = "rad" }\n[[joint]]\nname = "C"\nkind = "cylindrical"\nlinks = ["base", "b"]\npoint = [0.2, 0, 0]\naxis = [0, 0, 1]\n';
     await input.setInputFiles([file('arm.urdf', urdf), file('arm-loops.toml', loops)]);
     await shows(page, 'mechanism-notice', 'Converted from URDF');
+    // The note covers nothing of the view.
+    const note = (await page.getByTestId('mechanism-notice').boundingBox())!;
+    for (const part of ['.scene', '[data-testid=cube]', '.views']) expect((await page.locator(part).first().boundingBox())!.y, part).toBeGreaterThanOrEqual(note.y + note.height);
     await page.getByTestId('tree-joint-C').click();
     await shows(page, 'properties', 'cylindrical');
     // Dropped files.
@@ -253,6 +256,11 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     await page.keyboard.press('Control+s');
     await page.getByTestId('mechanism-conflict').waitFor();
     expect(readFileSync(file, 'utf8')).toContain('another editor');
+    await page.getByTestId('mechanism-conflict-show').click();
+    const lines = (kind: string) => page.getByTestId('mechanism-conflict-difference').locator(`.${kind} code`).allTextContents();
+    await until('the difference', async () => (await lines('added')).length > 0);
+    expect(await lines('removed')).toContain('# another editor');
+    expect((await lines('added')).join('\n')).toContain('Third linkage');
     await page.getByRole('button', { name: 'Overwrite' }).click();
     await until('overwritten', async () => readFileSync(file, 'utf8').includes('Third linkage'));
     // Without a server, no number remains.

@@ -48,7 +48,7 @@ test('subscripts', () => {
   expect(textParts('O_b')).toEqual([{ text: 'O', subscript: false }, { text: 'b', subscript: true }]);
   expect(textParts('l₁ +7 µm')).toEqual([{ text: 'l', subscript: false }, { text: '1', subscript: true }, { text: ' +7 µm', subscript: false }]);
   expect(textParts('LP1')).toEqual([{ text: 'LP1', subscript: false }]);
-  expect(textParts('a_')).toEqual([{ text: 'a', subscript: false }, { text: '_', subscript: false }]);
+  for (const name of ['a_', 'motor_a', 'elbow_left', 'a_b_c', 'leg_1 slide']) expect(textParts(name)).toEqual([{ text: name, subscript: false }]);
 });
 
 test('labels do not cover avoided areas while there is room, and are on them otherwise', () => {

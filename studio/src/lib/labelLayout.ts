@@ -120,12 +120,14 @@ export interface TextPart {
   subscript: boolean;
 }
 
-/** Splits a text at its subscripts: `O_b`, `l₁`. */
+/** Splits a text at its subscripts: of a symbol such as `O_b`, and `l₁`. Names such as `motor_a` have none. */
 export function textParts(text: string): TextPart[] {
+  const symbol = /^(\p{L})_(\w)$/u.exec(text);
+  if (symbol) return [{ text: symbol[1]!, subscript: false }, { text: symbol[2]!, subscript: true }];
   const parts: TextPart[] = [];
-  for (const [, subscript, digits, plain] of text.matchAll(/_(\w)|([₀-₉]+)|([^_₀-₉]+|_)/g)) {
+  for (const [, digits, plain] of text.matchAll(/([₀-₉]+)|([^₀-₉]+)/g)) {
     if (plain !== undefined) parts.push({ text: plain, subscript: false });
-    else parts.push({ text: subscript ?? [...digits!].map((digit) => String(digit.charCodeAt(0) - 0x2080)).join(''), subscript: true });
+    else parts.push({ text: [...digits!].map((digit) => String(digit.charCodeAt(0) - 0x2080)).join(''), subscript: true });
   }
   return parts;
 }

@@ -421,6 +421,12 @@ class MechanismSession {
     }
   }
 
+  /** The text on disk and that of this page. */
+  async compareWithDisk(): Promise<{ title: string; disk: string; here: string }[]> {
+    const { name, text } = await api.mechanismFile();
+    return [{ title: name, disk: text, here: this.work.text }];
+  }
+
   /** Whether the server has another file than the shown one, which is then reported. */
   async #isOfOtherFile(): Promise<boolean> {
     const other = await otherFile(this.work.name, api.mechanismFile);

@@ -1,1 +1,0 @@
-export{i as session}from"./session.svelte-DuhW4s9o.js";
