@@ -94,3 +94,12 @@ test('convex polygons, lines and points intersect', () => {
   expect(intersect([[0, 0], [2, 2]], [[0, 2], [2, 0]])).toBe(true);
   expect(intersect([[0, 0], [2, 2]], [[3, 0], [5, 0]])).toBe(false);
 });
+
+test('a label that stays is next to its point, also in an avoided area', () => {
+  const area = [[300, 200], [500, 200], [500, 400], [300, 400]] as const;
+  const request: LabelRequest = { x: 400, y: 300, width: 40, height: 16, offset: [0, -12] };
+  const [stays, moves] = placeLabels([{ ...request, stays: true }, request], VIEW, [], [area]);
+  expect(stays!.box).toEqual({ left: 380, top: 280, right: 420, bottom: 296 });
+  expect(moves!.leader).toBe(true);
+  expect(moves!.box.right < 300 || moves!.box.left > 500 || moves!.box.bottom < 200 || moves!.box.top > 400).toBe(true);
+});

@@ -16,6 +16,8 @@ export interface LabelRequest {
   height: number;
   /** Preferred position of the centre of the text, relative to the point. */
   offset: [number, number];
+  /** The label may cover avoided areas: it stays near its point while parts move past it. */
+  stays?: boolean;
 }
 
 /** A placed label: the box of its text, and whether a line has to connect it with its point. */
@@ -81,8 +83,9 @@ export function placeLabels(requests: readonly LabelRequest[], view: Box, occupi
   const texts: Polygon[] = [];
   const leaders: Polygon[] = [];
   const placed: PlacedLabel[] = [];
-  const distances = avoided.length > 0 ? [...DISTANCES, ...FURTHER_DISTANCES] : DISTANCES;
-  requests.forEach(({ x, y, width, height, offset: [right, down] }, index) => {
+  requests.forEach(({ x, y, width, height, offset: [right, down], stays = false }, index) => {
+    const around = stays ? [] : avoided;
+    const distances = around.length > 0 ? [...DISTANCES, ...FURTHER_DISTANCES] : DISTANCES;
     const at = (dx: number, dy: number): Box => {
       const left = Math.min(Math.max(x + dx - width / 2, view.left), view.right - width);
       const top = Math.min(Math.max(y + dy - height / 2, view.top), view.bottom - height);
@@ -103,7 +106,7 @@ export function placeLabels(requests: readonly LabelRequest[], view: Box, occupi
     /** Neither its leader line crosses other labels and their points, nor others cross this label. */
     const isClear = (box: Box) => !leaders.some((line) => intersect(line, corners(box))) && !(isFar(box) && [...texts, ...leaders, ...otherPoints].some((other) => intersect(leaderOf(box), other)));
     const avoids = (areas: readonly Polygon[]) => (box: Box) => !areas.some((area) => intersect(area, corners(box)));
-    const [all, first] = [avoids(avoided), avoids(avoided.slice(0, 1))];
+    const [all, first] = [avoids(around), avoids(around.slice(0, 1))];
     const box = free.find((one) => all(one) && isClear(one)) ?? free.find((one) => first(one) && isClear(one)) ?? free.find(first) ?? free.find(isClear) ?? free[0];
     if (!box) return;
     taken.push(box);

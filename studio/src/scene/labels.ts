@@ -17,6 +17,8 @@ export interface Label {
   strong?: boolean;
   /** Length of the labelled part [units of the scene]: the label is hidden while it appears smaller than a text. */
   extent?: number;
+  /** The label may cover the avoided parts: it stays near its point while they move past it. */
+  stays?: boolean;
   /** The label is hidden while its point is behind the most important avoided part, or under other elements. */
   hides?: boolean;
 }
@@ -108,7 +110,7 @@ export function paintLabels(
   const isHidden = (x: number, y: number) => occupied.some((box) => distanceTo(box, x, y) === 0) || areas.slice(0, 1).some((area) => intersect(area, [[x, y]]));
   const sideways = new Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
   const shown = labels.flatMap((label) => {
-    const { position, text, offset, awayFrom, strong = false, extent, hides = false } = label;
+    const { position, text, offset, awayFrom, strong = false, extent, hides = false, stays = false } = label;
     const { x, y, visible } = toPixels(position);
     if (!visible || x < pane.left || y < pane.top || x > pane.right || y > pane.bottom) return [];
     if (hides && isHidden(x, y)) return [];
@@ -130,7 +132,7 @@ export function paintLabels(
       down = (away[1] / distance) * 12;
     }
     // The offset is that of the near end of the text.
-    return [{ label, lines, strong, x, y, width, height: lines.length * FONT.height, offset: [right + Math.sign(right) * (width / 2), down] as [number, number] }];
+    return [{ label, lines, strong, stays, x, y, width, height: lines.length * FONT.height, offset: [right + Math.sign(right) * (width / 2), down] as [number, number] }];
   });
   // Strong labels get the best places.
   shown.sort((a, b) => Number(b.strong) - Number(a.strong));
