@@ -373,6 +373,14 @@ test.each([
       await frames(page);
       expect(await accessibilityViolations(page), tab).toEqual([]);
     }
+    // Chosen entries of lists are legible.
+    await page.getByTestId('redundant').getByRole('button').first().click();
+    await page.getByRole('tab', { name: 'Tree' }).click();
+    await page.getByTestId('tree-link-platform').click();
+    await page.getByTestId('find-modes').click();
+    await page.getByTestId('modes').waitFor();
+    expect(await page.locator('button.plain[aria-pressed=true]').count()).toBeGreaterThanOrEqual(2);
+    expect(await accessibilityViolations(page)).toEqual([]);
     // Nothing is wider than the window, and the view has a size.
     expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
     const view = await page.locator('.mechanism .scene').boundingBox();

@@ -32,7 +32,7 @@ export type Polygon = readonly (readonly [number, number])[];
 
 /** Distances of alternative places from the preferred one, and the number of directions. */
 const DISTANCES = [16, 30, 46, 64, 84, 106];
-/** Further distances, for labels of points within avoided areas. */
+/** Further distances, for labels of points within avoided areas; lines are avoided nearby or not at all. */
 const FURTHER_DISTANCES = [130, 160, 190, 225, 260, 300];
 const DIRECTIONS = 12;
 /** Beyond this distance between point and text, a line connects them. */
@@ -85,7 +85,7 @@ export function placeLabels(requests: readonly LabelRequest[], view: Box, occupi
   const placed: PlacedLabel[] = [];
   requests.forEach(({ x, y, width, height, offset: [right, down], stays = false }, index) => {
     const around = stays ? [] : avoided;
-    const distances = around.length > 0 ? [...DISTANCES, ...FURTHER_DISTANCES] : DISTANCES;
+    const distances = around.some((area) => area.length > 2) ? [...DISTANCES, ...FURTHER_DISTANCES] : DISTANCES;
     const at = (dx: number, dy: number): Box => {
       const left = Math.min(Math.max(x + dx - width / 2, view.left), view.right - width);
       const top = Math.min(Math.max(y + dy - height / 2, view.top), view.bottom - height);

@@ -45,6 +45,9 @@ export const unitName = (unit: LengthUnit): 'mm' | 'in' => (unit === 'mm' ? 'mm'
 /** Symbol of a unit of mechanism files. */
 export const fileUnit = (unit: string): string => (unit === 'um' ? 'µm' : unit === 'deg' ? '°' : unit);
 
+/** A value with a unit of mechanism files, as text: `12.5°`, `−3 in`. */
+export const withFileUnit = (value: string, unit: string): string => `${value.replace(/^-/, '−')}${unit === 'deg' ? '' : ' '}${fileUnit(unit)}`;
+
 /** A small length [m] in µm or thousandths of an inch. */
 export function small(m: number, unit: LengthUnit, decimals = 1, plus = false): string {
   const write = plus ? signed : fixed;

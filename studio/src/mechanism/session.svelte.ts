@@ -10,6 +10,7 @@ import type { MechanismLink, MechanismTab } from '../lib/mechanismLink';
 import { KINDS, rememberFile } from '../lib/recentFiles';
 import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
 import { shownNumber } from '../lib/shownNumber';
+import { withFileUnit } from '../lib/units';
 import { textOf } from '../lib/textFile';
 import type { PicturedView } from '../state/picture';
 import type { RecordedView } from '../state/recorder.svelte';
@@ -617,7 +618,7 @@ class MechanismSession {
   /** A value of a coordinate with its unit. */
   format(name: string, value: number): string {
     const found = this.document?.coordinates.find((one) => one.name === name);
-    return found ? `${shownNumber(value, found.decimals)} ${found.unit}` : String(value);
+    return found ? withFileUnit(shownNumber(value, found.decimals), found.unit) : String(value);
   }
 
   // Analyses

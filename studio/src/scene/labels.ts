@@ -106,7 +106,7 @@ export function paintLabels(
     const projected = position.clone().project(camera);
     return { x: pane.left + ((projected.x + 1) / 2) * (pane.right - pane.left), y: pane.top + ((1 - projected.y) / 2) * (pane.bottom - pane.top), visible: projected.z <= 1 && projected.z >= -1 };
   };
-  const areas = avoided.map((points) => hull(points.map(toPixels).flatMap(({ x, y, visible }): Point[] => (visible ? [[x, y]] : [])))).filter((area) => area.length > 2);
+  const areas = avoided.map((points) => hull(points.map(toPixels).flatMap(({ x, y, visible }): Point[] => (visible ? [[x, y]] : [])))).filter((area) => area.length > 1);
   const isHidden = (x: number, y: number) => occupied.some((box) => distanceTo(box, x, y) === 0) || areas.slice(0, 1).some((area) => intersect(area, [[x, y]]));
   const sideways = new Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
   const shown = labels.flatMap((label) => {
