@@ -331,7 +331,7 @@ test('positions and velocities are plotted over the time range of the chart', as
   const at = await now();
   const duration = Number(await page.getByTestId('cell-time').getAttribute('max'));
   expect(at / duration).toBeCloseTo(0.5, 1);
-  await page.getByTestId('plot-revolute').getByRole('button', { name: /in °$/ }).click();
+  await page.getByTestId('plot-revolute').getByRole('button', { name: /\(°\)$/ }).click();
   const shown = await page.getByTestId('value-T_deg').getAttribute('data-value');
   const { axes } = await asked({ time_s: at });
   expect(Number(shown), 'the position at that time').toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 6);
@@ -340,7 +340,7 @@ test('positions and velocities are plotted over the time range of the chart', as
   await page.getByTestId('plot-revolute').locator('.u-over').hover();
   await page.mouse.wheel(0, -200);
   await page.getByRole('button', { name: 'Fit time', exact: true }).click();
-  await page.getByTestId('plot-revolute').getByRole('button', { name: /in °$/ }).click();
+  await page.getByTestId('plot-revolute').getByRole('button', { name: /\(°\)$/ }).click();
 });
 
 test('files that have changed on disk are overwritten only after confirmation', async () => {

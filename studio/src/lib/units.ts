@@ -59,9 +59,10 @@ export function angle(rad: number, decimals = 3): string {
   return `${fixed(rad / DEGREE, decimals)}°`;
 }
 
-/** A small angle [rad] in µrad. */
+/** A small angle [rad] in µrad, or in mrad from 1 mrad. */
 export function smallAngle(rad: number, plus = false): string {
-  return `${(plus ? signed : fixed)(rad * 1e6, 1)} µrad`;
+  const write = plus ? signed : fixed;
+  return Math.abs(rad) < 1e-3 ? `${write(rad * 1e6, 1)} µrad` : `${write(rad * 1e3, 3)} mrad`;
 }
 
 /** An integer power of ten, as on a logarithmic axis. */

@@ -24,6 +24,7 @@ import {
 } from 'three';
 import { cutPlate, outline, type Point } from '../lib/geometry';
 import { disposeGeometries } from './dispose';
+import { LARGEST_GAP_MM } from '../lib/playScale';
 import type { SceneColours } from './palette';
 
 /** Dimensions that are not in the robot file, chosen to resemble the robot [mm]. */
@@ -44,8 +45,8 @@ export const SIZES = {
   tail: 96,
 } as const;
 
-/** Thickness of the race of a bearing, least and largest gap around its ball [mm]: the largest one leaves a rim of the platform. */
-const BEARING = { wall: 3.2, gap: { min: 0.25, max: SIZES.rim - SIZES.ball - 7 }, step: 0.25 } as const;
+/** Thickness of the race of a bearing, least and largest gap around its ball [mm]. */
+const BEARING = { wall: 3.2, gap: { min: 0.25, max: LARGEST_GAP_MM }, step: 0.25 } as const;
 
 export interface RobotGeometry {
   /** Intersections of the rod axes with the base plane [mm]. */
