@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { COMMAND, EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, frames, load, serve, unhandled, until, visit, type Server } from './studio';
+import { COMMAND, EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, frames, load, reload, serve, unhandled, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let folder: string;
@@ -268,6 +268,39 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     await server.stop();
     await page.getByTestId('mechanism-outdated').waitFor();
     expect(await page.getByTestId('m-finite').count()).toBe(0);
+  });
+});
+
+test('an unsaved text survives a reload, and is restored or discarded', async () => {
+  const file = join(folder, 'draft.toml');
+  writeFileSync(file, FOUR_BAR);
+  await at([file], async (page) => {
+    page.on('dialog', (dialog) => void dialog.accept());
+    const draft = page.getByTestId('mechanism-draft');
+    await shows(page, 'mechanism-name', 'Planar four-bar linkage');
+    expect(await draft.count()).toBe(0);
+    await type(page, () => FOUR_BAR.replace(/^name = "[^"]*"/m, 'name = "Unsaved linkage"'));
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    await reload(page);
+    await draft.filter({ hasText: 'unsaved changes to draft.toml' }).waitFor();
+    await shows(page, 'mechanism-name', 'Planar four-bar linkage');
+    // Another visit keeps the offer.
+    await reload(page);
+    await draft.getByRole('button', { name: 'Restore' }).click();
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    expect(readFileSync(file, 'utf8')).toBe(FOUR_BAR);
+    await page.keyboard.press('Control+s');
+    await until('saved', async () => readFileSync(file, 'utf8').includes('Unsaved linkage'));
+    await reload(page);
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    expect(await draft.count(), 'a saved text is no draft').toBe(0);
+    await type(page, () => FOUR_BAR.replace(/^name = "[^"]*"/m, 'name = "Other"'));
+    await shows(page, 'mechanism-name', 'Other');
+    await reload(page);
+    await draft.getByRole('button', { name: 'Discard' }).click();
+    await reload(page);
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    expect(await draft.count()).toBe(0);
   });
 });
 

@@ -12,6 +12,7 @@ import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
 import { shownNumber } from '../lib/shownNumber';
 import { withFileUnit } from '../lib/units';
 import { textOf } from '../lib/textFile';
+import { readMechanismDraft, removeMechanismDraft, storeMechanismDraft, type MechanismDraft } from './draft';
 import type { PicturedView } from '../state/picture';
 import type { RecordedView } from '../state/recorder.svelte';
 
@@ -119,6 +120,8 @@ class MechanismSession {
   /** A file that another view shows, or of which this view shows a part. */
   otherView = $state.raw<{ kind: 'cell' | 'program' | 'three_rods'; name: string; text: string } | null>(null);
   diskConflict = $state(false);
+  /** Unsaved text of an earlier visit, which is offered. */
+  draft = $state.raw<MechanismDraft | null>(null);
   moving = $state(false);
   reading = $state(false);
   canUndo = $state(false);
@@ -141,6 +144,8 @@ class MechanismSession {
   current = (analysis: Analysis<unknown> | null): boolean => analysis !== null && analysis.of === this.configuration && !this.outdated && !this.moving;
 
   #model: Model | null = null;
+  /** Whether the stored draft is that of this page. */
+  #hasStored = false;
   #version: string | null = null;
   #started = false;
   #history = new History<Work>(EMPTY);
@@ -165,8 +170,10 @@ class MechanismSession {
       if (this.work.text !== '') void this.#read(this.#here);
     });
     window.addEventListener('beforeunload', (event) => {
+      this.#store();
       if (this.changed) event.preventDefault();
     });
+    window.addEventListener('pagehide', () => this.#store());
   }
 
   /** Why there is no configuration. */
@@ -191,7 +198,43 @@ class MechanismSession {
     if (this.#started) return;
     this.#started = true;
     await Promise.all([this.#loadCatalogue(), ofServer ? this.reload() : undefined]);
+    const draft = readMechanismDraft();
+    if (draft && draft.text !== this.work.text) this.draft = draft;
     this.started = true;
+  }
+
+  // Drafts
+
+  /** Stores an unsaved text in the browser. */
+  #store(): void {
+    const { name, text, saved, ofServer } = this.work;
+    if (text !== saved) storeMechanismDraft({ name, text, saved, ofServer, stored_ms: Date.now() });
+    // The draft of an earlier visit remains until it is restored or discarded.
+    else if (this.#hasStored) removeMechanismDraft();
+    this.#hasStored = text !== saved;
+  }
+
+  /** Restores the offered text; undo returns to the previous one. */
+  async restoreDraft(): Promise<void> {
+    const { draft } = this;
+    if (!draft) return;
+    this.draft = null;
+    const ofServer = draft.ofServer && this.work.ofServer && this.work.name === draft.name;
+    this.#model = null;
+    this.work = { name: draft.name, text: draft.text, parameters: {}, ofServer, saved: ofServer ? this.work.saved : draft.saved };
+    this.#commitWork();
+    this.#store();
+    this.selected = null;
+    this.point = null;
+    await this.#read(null);
+    this.shown += 1;
+    this.tab = this.diagnostics.length > 0 ? 'text' : 'tree';
+  }
+
+  /** Removes the offered text. */
+  discardDraft(): void {
+    this.draft = null;
+    removeMechanismDraft();
   }
 
   async #loadCatalogue(): Promise<void> {
@@ -248,10 +291,7 @@ class MechanismSession {
       this.#model = kind === 'model' ? { name, text } : null;
       const title = kind === 'model' || kind === 'three_rods' ? name.replace(/\.\w+$/, '') + '.toml' : name;
       this.work = { name: title, text: opened.text, parameters: {}, ofServer, saved: opened.text };
-      // The first text has no predecessor.
-      if (this.#history.present.text === '') this.#history = new History(this.work);
-      else this.#history.commit(this.work);
-      this.#updateHistory();
+      this.#commitWork();
       this.notice = opened.note ?? null;
       if (kind === 'three_rods') this.otherView = { kind, name, text };
       this.selected = null;
@@ -264,6 +304,13 @@ class MechanismSession {
     } finally {
       if (this.#abort === abort) this.reading = false;
     }
+  }
+
+  /** Adds an opened text to the undo history; the first one has no predecessor. */
+  #commitWork(): void {
+    if (this.#history.present.text === '') this.#history = new History(this.work);
+    else this.#history.commit(this.work);
+    this.#updateHistory();
   }
 
   /** Opens files that were chosen or dropped: a file, or a model with the file that closes its loops. */
@@ -331,6 +378,7 @@ class MechanismSession {
     clearTimeout(this.#timer);
     this.#typing = false;
     if (this.#history.commit(this.work)) this.#updateHistory();
+    this.#store();
     await this.#read(this.#here);
   }
 
@@ -415,6 +463,7 @@ class MechanismSession {
       this.#version = version;
       this.diskConflict = false;
       if (this.work.ofServer) this.work = { ...this.work, saved: text };
+      this.#store();
     } catch (error) {
       if (error instanceof api.ApiError && error.field === 'replaces') this.diskConflict = !(await this.#isOfOtherFile());
       else if (error instanceof ConnectionError) this.notice = 'The text was not saved: the server does not respond. Save again after reconnection.';
@@ -444,6 +493,7 @@ class MechanismSession {
     link.click();
     URL.revokeObjectURL(link.href);
     this.work = { ...this.work, saved: text };
+    this.#store();
   }
 
   // The configuration
