@@ -296,6 +296,19 @@ test('an unsaved text survives a reload, and is restored or discarded', async ()
     expect(await draft.count(), 'a saved text is no draft').toBe(0);
     await type(page, () => FOUR_BAR.replace(/^name = "[^"]*"/m, 'name = "Other"'));
     await shows(page, 'mechanism-name', 'Other');
+    // Changes of another text are not saved into the file.
+    const theirs = `${readFileSync(file, 'utf8')}# theirs\n`;
+    writeFileSync(file, theirs);
+    await reload(page);
+    await draft.getByRole('button', { name: 'Restore' }).click();
+    await shows(page, 'mechanism-name', 'Other');
+    expect(await page.getByTestId('mechanism-save').count()).toBe(0);
+    await page.getByRole('button', { name: 'Undo' }).click();
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    expect(await page.getByTestId('mechanism-save').count()).toBe(1);
+    expect(readFileSync(file, 'utf8')).toBe(theirs);
+    await page.getByRole('button', { name: 'Redo' }).click();
+    await shows(page, 'mechanism-name', 'Other');
     await reload(page);
     await draft.getByRole('button', { name: 'Discard' }).click();
     await reload(page);

@@ -219,7 +219,8 @@ class MechanismSession {
     const { draft } = this;
     if (!draft) return;
     this.draft = null;
-    const ofServer = draft.ofServer && this.work.ofServer && this.work.name === draft.name;
+    // Another file may have the same name: only changes of the very text of the server are saved into its file.
+    const ofServer = draft.ofServer && this.work.ofServer && this.work.name === draft.name && this.work.saved === draft.saved;
     this.#model = null;
     this.work = { name: draft.name, text: draft.text, parameters: {}, ofServer, saved: ofServer ? this.work.saved : draft.saved };
     this.#commitWork();
