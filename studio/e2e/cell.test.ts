@@ -331,7 +331,7 @@ test('positions and velocities are plotted over the time range of the chart', as
   const at = await now();
   const duration = Number(await page.getByTestId('cell-time').getAttribute('max'));
   expect(at / duration).toBeCloseTo(0.5, 1);
-  await page.getByTestId('plot-revolute').getByRole('button', { name: /in °$/ }).click();
+  await page.getByTestId('plot-revolute').getByRole('button', { name: /\(°\)$/ }).click();
   const shown = await page.getByTestId('value-T_deg').getAttribute('data-value');
   const { axes } = await asked({ time_s: at });
   expect(Number(shown), 'the position at that time').toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 6);
@@ -340,7 +340,7 @@ test('positions and velocities are plotted over the time range of the chart', as
   await page.getByTestId('plot-revolute').locator('.u-over').hover();
   await page.mouse.wheel(0, -200);
   await page.getByRole('button', { name: 'Fit time', exact: true }).click();
-  await page.getByTestId('plot-revolute').getByRole('button', { name: /in °$/ }).click();
+  await page.getByTestId('plot-revolute').getByRole('button', { name: /\(°\)$/ }).click();
 });
 
 test('files that have changed on disk are overwritten only after confirmation', async () => {
@@ -355,6 +355,11 @@ test('files that have changed on disk are overwritten only after confirmation', 
   await page.getByTestId('disk-conflict').waitFor();
   expect(unhandled(heard.splice(0))).toEqual([]);
   expect(readFileSync(path, 'utf8')).toBe(theirs);
+  await page.getByTestId('disk-conflict-show').click();
+  const difference = page.getByTestId('disk-conflict-difference');
+  await difference.first().waitFor();
+  expect([await difference.locator('.removed code').allTextContents(), await difference.locator('.added code').allTextContents()].map((lines) => lines.map((line) => /-49\d/.exec(line)?.[0]))).toEqual([['-493'], ['-492']]);
+  expect(await accessibilityViolations(page, '[data-testid=disk-conflict]')).toEqual([]);
   await page.getByRole('button', { name: 'Reload from disk' }).click();
   await until('theirs is here', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-493');
   await page.getByRole('button', { name: 'Undo' }).click();

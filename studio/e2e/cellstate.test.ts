@@ -2,7 +2,7 @@
 
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
 import type { Page } from 'playwright-core';
-import { EXAMPLE_CELL, cellFixture, complaints, load, partNames, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
+import { EXAMPLE_CELL, SHORT_PROGRAM, cellFixture, complaints, load, partNames, unhandled, until, visit, waitForCheck, type CellFixture } from './studio';
 
 // LP2 is tilted: there the platform has play.
 const PROGRAM = 'HOME\nGET LP2 SLOT 1 WITH A\nHOME\n';
@@ -194,5 +194,28 @@ test('an arm without bodies is listed as not checked for collisions', async () =
   } finally {
     await page.goto('about:blank');
     await bare.close();
+  }
+});
+
+test('lengths of violations, their places, jog and parts are in the display unit', async () => {
+  const wall = '[[body]]\nname = "wall-5mm"\nbox = { size_mm = [5, 600, 600] }\nposition_mm = [-300, 300, 600]\n';
+  const blocked = await cellFixture(SHORT_PROGRAM, `${EXAMPLE_CELL}\n${wall}`);
+  try {
+    await load(page, blocked.server.address);
+    await until('violations', async () => (await page.getByTestId('violations').count()) === 1);
+    const violations = () => page.getByTestId('violations').textContent();
+    const depth = Number(/wall-5mm.*? depth of ([\d.]+) mm/.exec((await violations())!)![1]);
+    await page.getByTestId('violations').locator('button').first().click();
+    await page.getByTitle('Length unit').selectOption('inch');
+    await until('violations are in inches', async () => / in\b/.test((await violations())!));
+    const shown = (await violations())!;
+    expect(Number(/wall-5mm.*? depth of ([\d.]+) in/.exec(shown)![1])).toBeCloseTo(depth / 25.4, 3);
+    expect(shown).not.toMatch(/\d (mm|µm)/);
+    await until('the violation at the current time is in inches', async () => / in\b/.test((await page.getByTestId('current-violations').textContent()) ?? ''));
+    expect((await page.getByTestId('current-violations').textContent())!).not.toMatch(/\d (mm|µm)/);
+    await page.getByTitle('Length unit').selectOption('mm');
+  } finally {
+    await page.goto('about:blank');
+    await blocked.close();
   }
 });

@@ -104,6 +104,36 @@ for (const [width, height] of [[320, 568], [390, 844], [500, 900], [512, 350], [
       }
     }));
 
+for (const [width, height] of [[390, 844], [1024, 700], [1280, 720], [1440, 900], [1920, 1080]] as const) {
+  test(`labels cover neither the platform nor each other in a window of ${width} × ${height}`, () =>
+    at(width, height, 'robot', async (page) => {
+      for (const view of ['Robot', 'Platform', 'Plan']) {
+        await page.getByRole('button', { name: view, exact: true }).last().click();
+        for (const model of ['polar', 'planar']) {
+          await page.getByRole('radio', { name: model }).check();
+          await until('the model is drawn', async () => page.getByRole('radio', { name: model }).isChecked());
+          await frames(page, 8);
+          const { labels, platform } = await page.evaluate(() => ({ labels: window.jointplay.probe.labels!(), platform: window.jointplay.probe.platform!() }));
+          expect(labels.length, `${view}, ${model}: labels`).toBeGreaterThanOrEqual(3);
+          labels.forEach((box, i) => {
+            const { left, top, right, bottom } = box;
+            // No corner and no middle of a side is within the convex outline of the platform: the outline is clockwise or counter-clockwise.
+            for (const [x, y] of [[left, top], [right, top], [right, bottom], [left, bottom], [(left + right) / 2, top], [(left + right) / 2, bottom], [left, (top + bottom) / 2], [right, (top + bottom) / 2]] as const) {
+              const sides = platform.map((from, k) => {
+                const to = platform[(k + 1) % platform.length]!;
+                return (to.x - from.x) * (y - from.y) - (to.y - from.y) * (x - from.x);
+              });
+              const inside = sides.every((side) => side > 1) || sides.every((side) => side < -1);
+              expect(inside, `${view}, ${model}: label ${i} at ${JSON.stringify(box)} covers the platform`).toBe(false);
+            }
+            for (const { x, y } of platform) expect(x > left && x < right && y > top && y < bottom, `${view}, ${model}: label ${i}`).toBe(false);
+            for (const other of labels.slice(i + 1)) expect(other.right <= left || right <= other.left || other.bottom <= top || bottom <= other.top, `${view}, ${model}: labels overlap`).toBe(true);
+          });
+        }
+      }
+    }));
+}
+
 test('nothing covers the platform in the low view above plots, also after the page was loaded again', () =>
   at(1280, 720, 'robot', async (page) => {
     await page.getByTestId('slider-tilt').fill('1');

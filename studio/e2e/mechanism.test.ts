@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { COMMAND, EXAMPLE_CELL, ROOT, accessibilityViolations, browse, bytesOf, complaints, frames, load, serve, unhandled, until, visit, type Server } from './studio';
+import { COMMAND, EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, frames, load, reload, serve, unhandled, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let folder: string;
@@ -198,6 +198,9 @@ test('files of all kinds are opened, or their kind is reported', async () => {
     const loops = 'kind = "loops"\nunits = { length = "m", angle = "rad" }\n[[joint]]\nname = "C"\nkind = "cylindrical"\nlinks = ["base", "b"]\npoint = [0.2, 0, 0]\naxis = [0, 0, 1]\n';
     await input.setInputFiles([file('arm.urdf', urdf), file('arm-loops.toml', loops)]);
     await shows(page, 'mechanism-notice', 'Converted from URDF');
+    // The note covers nothing of the view.
+    const note = (await page.getByTestId('mechanism-notice').boundingBox())!;
+    for (const part of ['.scene', '[data-testid=cube]', '.views']) expect((await page.locator(part).first().boundingBox())!.y, part).toBeGreaterThanOrEqual(note.y + note.height);
     await page.getByTestId('tree-joint-C').click();
     await shows(page, 'properties', 'cylindrical');
     // Dropped files.
@@ -208,16 +211,29 @@ test('files of all kinds are opened, or their kind is reported', async () => {
     }, FOUR_BAR);
     await page.dispatchEvent('.mechanism', 'drop', { dataTransfer: dropped });
     await shows(page, 'mechanism-name', 'Four-bar linkage');
-    // A cell is offered to its own view.
+    // Cells and programs open in their own view.
     await input.setInputFiles(file('other.toml', EXAMPLE_CELL.replace(/name = "[^"]*"/, 'name = "dropped cell"')));
-    await shows(page, 'mechanism-notice', 'This is a work cell');
-    await page.getByRole('button', { name: 'Open it in the cell view' }).click();
     await page.getByRole('region', { name: 'Work cell' }).waitFor();
     await page.getByRole('tab', { name: 'Cell file' }).click();
     await page.locator('.cm-content').filter({ hasText: 'dropped cell' }).waitFor();
     // It is not the file of the server.
     await shows(page, 'cell-file', 'other.toml, not on the server');
     expect(readFileSync(cell, 'utf8')).toBe(EXAMPLE_CELL);
+    await page.getByRole('button', { name: 'Mechanism', exact: true }).click();
+    const program = await page.evaluateHandle((content) => {
+      const data = new DataTransfer();
+      data.items.add(new File([content], 'dropped.program'));
+      return data;
+    }, SHORT_PROGRAM);
+    await page.dispatchEvent('.mechanism', 'drop', { dataTransfer: program });
+    await page.getByRole('region', { name: 'Work cell' }).waitFor();
+    await page.locator('.cm-content').filter({ hasText: 'GET LP1 SLOT 1 WITH A' }).waitFor();
+    // A three-rod robot is shown as a mechanism, and in its own view.
+    await page.getByRole('button', { name: 'Mechanism', exact: true }).click();
+    await input.setInputFiles(file('robot.toml', readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/gpr.toml'), 'utf8').replace(/^name = "[^"]*"/m, 'name = "My robot"')));
+    await page.getByRole('button', { name: 'Open it in the robot view' }).click();
+    await page.getByTestId('robot-fields').waitFor();
+    await page.getByTestId('slider-tilt').waitFor();
   });
 });
 
@@ -240,6 +256,11 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     await page.keyboard.press('Control+s');
     await page.getByTestId('mechanism-conflict').waitFor();
     expect(readFileSync(file, 'utf8')).toContain('another editor');
+    await page.getByTestId('mechanism-conflict-show').click();
+    const lines = (kind: string) => page.getByTestId('mechanism-conflict-difference').locator(`.${kind} code`).allTextContents();
+    await until('the difference', async () => (await lines('added')).length > 0);
+    expect(await lines('removed')).toContain('# another editor');
+    expect((await lines('added')).join('\n')).toContain('Third linkage');
     await page.getByRole('button', { name: 'Overwrite' }).click();
     await until('overwritten', async () => readFileSync(file, 'utf8').includes('Third linkage'));
     // Without a server, no number remains.
@@ -247,6 +268,52 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     await server.stop();
     await page.getByTestId('mechanism-outdated').waitFor();
     expect(await page.getByTestId('m-finite').count()).toBe(0);
+  });
+});
+
+test('an unsaved text survives a reload, and is restored or discarded', async () => {
+  const file = join(folder, 'draft.toml');
+  writeFileSync(file, FOUR_BAR);
+  await at([file], async (page) => {
+    page.on('dialog', (dialog) => void dialog.accept());
+    const draft = page.getByTestId('mechanism-draft');
+    await shows(page, 'mechanism-name', 'Planar four-bar linkage');
+    expect(await draft.count()).toBe(0);
+    await type(page, () => FOUR_BAR.replace(/^name = "[^"]*"/m, 'name = "Unsaved linkage"'));
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    await reload(page);
+    await draft.filter({ hasText: 'unsaved changes to draft.toml' }).waitFor();
+    await shows(page, 'mechanism-name', 'Planar four-bar linkage');
+    // Another visit keeps the offer.
+    await reload(page);
+    await draft.getByRole('button', { name: 'Restore' }).click();
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    expect(readFileSync(file, 'utf8')).toBe(FOUR_BAR);
+    await page.keyboard.press('Control+s');
+    await until('saved', async () => readFileSync(file, 'utf8').includes('Unsaved linkage'));
+    await reload(page);
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    expect(await draft.count(), 'a saved text is no draft').toBe(0);
+    await type(page, () => FOUR_BAR.replace(/^name = "[^"]*"/m, 'name = "Other"'));
+    await shows(page, 'mechanism-name', 'Other');
+    // Changes of another text are not saved into the file.
+    const theirs = `${readFileSync(file, 'utf8')}# theirs\n`;
+    writeFileSync(file, theirs);
+    await reload(page);
+    await draft.getByRole('button', { name: 'Restore' }).click();
+    await shows(page, 'mechanism-name', 'Other');
+    expect(await page.getByTestId('mechanism-save').count()).toBe(0);
+    await page.getByRole('button', { name: 'Undo' }).click();
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    expect(await page.getByTestId('mechanism-save').count()).toBe(1);
+    expect(readFileSync(file, 'utf8')).toBe(theirs);
+    await page.getByRole('button', { name: 'Redo' }).click();
+    await shows(page, 'mechanism-name', 'Other');
+    await reload(page);
+    await draft.getByRole('button', { name: 'Discard' }).click();
+    await reload(page);
+    await shows(page, 'mechanism-name', 'Unsaved linkage');
+    expect(await draft.count()).toBe(0);
   });
 });
 
@@ -352,6 +419,14 @@ test.each([
       await frames(page);
       expect(await accessibilityViolations(page), tab).toEqual([]);
     }
+    // Chosen entries of lists are legible.
+    await page.getByTestId('redundant').getByRole('button').first().click();
+    await page.getByRole('tab', { name: 'Tree' }).click();
+    await page.getByTestId('tree-link-platform').click();
+    await page.getByTestId('find-modes').click();
+    await page.getByTestId('modes').waitFor();
+    expect(await page.locator('button.plain[aria-pressed=true]').count()).toBeGreaterThanOrEqual(2);
+    expect(await accessibilityViolations(page)).toEqual([]);
     // Nothing is wider than the window, and the view has a size.
     expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
     const view = await page.locator('.mechanism .scene').boundingBox();

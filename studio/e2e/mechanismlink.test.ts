@@ -117,6 +117,12 @@ test('picture, film and text of a mechanism are exported', async () => {
   expect(text.bytes.toString()).toContain('# My own mechanism.');
   await page.getByTestId('mechanism-export').click();
   expect(await accessibilityViolations(page, '.menu')).toEqual([]);
+  // No field is cut off at the edge of the menu.
+  const menu = (await page.locator('.menu').boundingBox())!;
+  for (const field of ['motion-joint', 'motion-from', 'motion-to', 'motion-steps']) {
+    const box = (await page.getByTestId(field).boundingBox())!;
+    expect(box.x + box.width, field).toBeLessThanOrEqual(menu.x + menu.width - 6);
+  }
   await page.getByTestId('mechanism-export-video').click();
   await page.getByTestId('mechanism-stop-recording').waitFor();
   const frames = await page.evaluate(() => window.jointplay.probe.mechanismFrames);

@@ -362,6 +362,26 @@ test('the page shows a lost connection and recovers after a restart of the serve
   heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED')));
 });
 
+test('the page reports a server of another version after its restart', async () => {
+  await open();
+  const note = page.getByTestId('other-version');
+  await server.stop();
+  await page.getByTestId('disconnected').waitFor();
+  server = await serve(server.port);
+  await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
+  expect(await note.count(), 'the same version').toBe(0);
+  await server.stop();
+  await page.getByTestId('disconnected').waitFor();
+  await page.route((url) => url.pathname === '/', (route) => route.fulfill({ contentType: 'text/html', body: '<script type="module" src="./assets/index-0ther.js"></script>' }));
+  server = await serve(server.port);
+  await note.waitFor();
+  await page.unrouteAll();
+  await note.getByRole('button', { name: 'Reload the page' }).click();
+  await until('the page of the server', async () => (await note.count()) === 0);
+  await drawn(page);
+  heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED')));
+});
+
 for (const theme of ['light', 'dark'] as const)
   test(`no accessibility violations, ${theme} theme`, async () => {
     await open();

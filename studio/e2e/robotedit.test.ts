@@ -130,6 +130,9 @@ test('a file that changed on disk is not overwritten unseen', async () => {
   await page.getByTestId('robot-save').click();
   await page.getByTestId('robot-conflict').waitFor();
   expect(readFileSync(file, 'utf8')).toContain('# another editor');
+  await page.getByTestId('robot-conflict-show').click();
+  await page.getByTestId('robot-conflict-difference').locator('.removed').filter({ hasText: '# another editor' }).waitFor();
+  await page.getByTestId('robot-conflict-difference').locator('.added').filter({ hasText: 'socket_angle_deg = 125.0' }).waitFor();
   await page.getByRole('button', { name: 'Reload from disk' }).click();
   await holds('# another editor');
   expect(await text()).toContain('socket_angle_deg = 120.0');

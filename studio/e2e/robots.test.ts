@@ -160,3 +160,46 @@ test('a link of another robot is reported, and stored settings are separate for 
     expect(await page.getByTestId('foreign-robot').count()).toBe(0);
   });
 });
+
+test('the play scale of a robot with more play keeps its balls in their bearings', async () => {
+  const file = join(folder, 'tripod.toml');
+  writeFileSync(file, `kind = "gpr"
+name = "Unsymmetric tripod"
+limb = [
+  { socket_radius_mm = 120, socket_angle_deg = 10 },
+  { socket_radius_mm = 80, socket_angle_deg = 140 },
+  { socket_radius_mm = 100, socket_angle_deg = 250 },
+]
+limits = { rod_mm = [200, 420], tilt_deg = 3 }
+working = { height_mm = 300 }
+`);
+  const server = await serve(0, [file]);
+  const page = await visit(browser);
+  try {
+    await load(page, server.address);
+    await drawn(page);
+    const scale = async () => (await page.getByTestId('play-scale').textContent())!.trim();
+    await until('a play scale below 500×', async () => (await scale()) !== '500×');
+    const first = Number((await scale()).replace('×', ''));
+    const displaced_mm = await page.evaluate(() => {
+      const { sockets_m } = window.jointplay.probe.pose!.models[0]!.answer!;
+      const nominal = [[120, 10], [80, 140], [100, 250]].map(([r, deg]) => [r! * Math.cos((deg! * Math.PI) / 180), r! * Math.sin((deg! * Math.PI) / 180)]);
+      return Math.max(...nominal.map(([x, y], k) => Math.hypot(1000 * sockets_m[k]![0]! - x!, 1000 * sockets_m[k]![1]! - y!)));
+    });
+    // The play is visible, and less than the drawn gap of the bearings.
+    expect(first * displaced_mm).toBeGreaterThan(3);
+    expect(first * displaced_mm).toBeLessThanOrEqual(18.5);
+    expect(await page.getByRole('button', { name: 'Undo' }).isDisabled()).toBe(true);
+    // A chosen play scale stays, also after a reload.
+    await page.getByTestId('exaggeration').fill('900');
+    await until('the chosen one', async () => (await scale()) !== `${first}×`);
+    const chosen = await scale();
+    await until('the link has it', async () => page.url().includes(`play=${chosen.replace('×', '')}`));
+    await reload(page);
+    await drawn(page);
+    expect(await scale()).toBe(chosen);
+  } finally {
+    await page.context().close();
+    await server.stop();
+  }
+});

@@ -29,6 +29,7 @@
 
 mod body;
 mod cell_files;
+mod compression;
 mod configuration;
 mod controller;
 mod guard;

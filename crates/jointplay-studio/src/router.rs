@@ -11,6 +11,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::body::MAX_BODY_BYTES;
+use crate::compression;
 use crate::guard::{self, Guard};
 use crate::page;
 use crate::problem::Problem;
@@ -98,6 +99,7 @@ pub(crate) fn router(state: AppState, port: u16) -> Router {
         .fallback(fallback)
         .method_not_allowed_fallback(method_not_allowed)
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
+        .layer(middleware::from_fn(compression::compress))
         .layer(middleware::from_fn_with_state(
             Guard::new(port, state.work.deadlines.request),
             guard::check,

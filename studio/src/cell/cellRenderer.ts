@@ -363,11 +363,26 @@ export class CellRenderer extends SceneRenderer {
     if (!this.#cell) return null;
     this.#scaleHandles();
     this.#seeThroughWalls();
-    const labels: Label[] = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true, extent: 0.3 }));
+    const labels: Label[] = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true, stays: true, extent: 0.3 }));
     const [from, to] = this.#measured;
-    if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true });
+    if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true, stays: true });
     if (this.#nearestLabel) labels.unshift(this.#nearestLabel);
-    return { labels, covered: { left: 8, right: 8 }, occupied: [this.cornerBox(72)] };
+    return { labels, avoided: this.#nearestLabel ? this.#robotPoints() : [], covered: { left: 8, right: 8 }, occupied: [this.cornerBox(72)] };
+  }
+
+  /** Corners of the boxes around the parts of platform and arms [m]. */
+  #robotPoints(): Vector3[][] {
+    const found: Vector3[][] = [];
+    const moving = [...this.#objects].filter(([key]) => key.startsWith('platform:')).map(([, object]) => object);
+    for (const object of moving)
+      object.traverse((mesh) => {
+        if (!(mesh instanceof Mesh) || !mesh.visible) return;
+        const geometry = mesh.geometry as BufferGeometry;
+        if (!geometry.boundingBox) geometry.computeBoundingBox();
+        const { min, max } = geometry.boundingBox!;
+        found.push([min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => mesh.localToWorld(new Vector3(x, y, z))))));
+      });
+    return found;
   }
 
   /** Makes walls transparent that are between the viewer and the point that is looked at. */

@@ -1,7 +1,7 @@
 // The note of an exported picture or film: what it shows, and what it does not.
 
 import { scaleText } from '../lib/playScale';
-import { clock, fixed, millimetres } from '../lib/units';
+import { clock, length, type LengthUnit } from '../lib/units';
 import type { Section } from './viewTools.svelte';
 
 /** The state of the cell view that a note describes. */
@@ -16,7 +16,7 @@ export interface NotedState {
 
 const counted = (count: number, one: string): string => `${count} ${one}${count === 1 ? '' : 's'}`;
 
-export function pictureNote({ time, loading, outdated, plan, jog, tools }: NotedState, name: string): string {
+export function pictureNote({ time, loading, outdated, plan, jog, tools }: NotedState, name: string, unit: LengthUnit): string {
   const { playScale, section, hidden } = tools;
   const when = jog.active ? 'jogged' : loading ? `${clock(time)}, motion not loaded` : clock(time);
   const violations = jog.active ? (jog.document?.check.violations.length ?? 0) : (plan?.violations ?? 0);
@@ -24,7 +24,7 @@ export function pictureNote({ time, loading, outdated, plan, jog, tools }: Noted
   return [
     `${name}, ${when}`,
     playScale > 1 ? `play scale ${scaleText(playScale)}×` : '',
-    section ? `section at ${section.axis} = ${fixed(millimetres(section.at), 0)} mm` : '',
+    section ? `section at ${section.axis} = ${length(section.at, unit, 0)}` : '',
     hidden.size > 0 ? `${counted(hidden.size, 'part')} hidden` : '',
     check,
   ]

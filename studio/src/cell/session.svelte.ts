@@ -574,6 +574,15 @@ export class WorkcellSession {
     }
   }
 
+  /** The texts on disk and those of this page. */
+  async compareWithDisk(): Promise<{ title: string; disk: string; here: string }[]> {
+    const { cell, program } = await api.cell();
+    return [
+      { title: this.file ?? 'cell file', disk: cell, here: this.texts.cell },
+      { title: 'Program', disk: program, here: this.texts.program },
+    ];
+  }
+
   /** Whether the server has another cell than the shown one, which is then reported. */
   async #isOfOtherFile(): Promise<boolean> {
     const other = await otherFile(this.file ?? 'the example cell', async () => {

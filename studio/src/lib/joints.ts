@@ -33,14 +33,14 @@ export function jointRows(robot: RobotDocument, model: string, values: number[],
   });
 }
 
-/** Labels of the limbs, with the displacements of their virtual joints. */
+/** Labels of the limbs, with the displacement of each of their virtual joints in a line. */
 export function jointLabels(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): string[] {
   const rows = jointRows(robot, model, values, unit);
   return robot.limbs.map((_, limb) =>
     rows
       .filter((row) => row.limb === limb)
       .map((row) => `${row.symbol} ${row.moved}`)
-      .join('  '),
+      .join('\n'),
   );
 }
 

@@ -16,6 +16,8 @@ test('numbers are formatted', () => {
     [small(2.54e-5, 'inch'), '1.00 mil'],
     [angle(Math.PI / 2), '90.000°'],
     [smallAngle(-2.5e-6), '−2.5 µrad'],
+    [smallAngle(-0.0037021, true), '−3.702 mrad'],
+    [smallAngle(0.0013761, true), '+1.376 mrad'],
     [power(-12), '10⁻¹²'],
     [power(0), '10⁰'],
     [clock(75.26), '1:15.3'],

@@ -45,6 +45,9 @@ export const unitName = (unit: LengthUnit): 'mm' | 'in' => (unit === 'mm' ? 'mm'
 /** Symbol of a unit of mechanism files. */
 export const fileUnit = (unit: string): string => (unit === 'um' ? 'µm' : unit === 'deg' ? '°' : unit);
 
+/** A value with a unit of mechanism files, as text: `12.5°`, `−3 in`. */
+export const withFileUnit = (value: string, unit: string): string => `${value.replace(/^-/, '−')}${unit === 'deg' ? '' : ' '}${fileUnit(unit)}`;
+
 /** A small length [m] in µm or thousandths of an inch. */
 export function small(m: number, unit: LengthUnit, decimals = 1, plus = false): string {
   const write = plus ? signed : fixed;
@@ -56,9 +59,10 @@ export function angle(rad: number, decimals = 3): string {
   return `${fixed(rad / DEGREE, decimals)}°`;
 }
 
-/** A small angle [rad] in µrad. */
+/** A small angle [rad] in µrad, or in mrad from 1 mrad. */
 export function smallAngle(rad: number, plus = false): string {
-  return `${(plus ? signed : fixed)(rad * 1e6, 1)} µrad`;
+  const write = plus ? signed : fixed;
+  return Math.abs(rad) < 1e-3 ? `${write(rad * 1e6, 1)} µrad` : `${write(rad * 1e3, 3)} mrad`;
 }
 
 /** An integer power of ten, as on a logarithmic axis. */

@@ -224,6 +224,12 @@ export class MechanismModel {
     return this.#document.links.map(({ name }, i) => ({ name, position: this.#links[i]!.getWorldPosition(new Vector3()) }));
   }
 
+  /** Ends of all bars, in the scene. */
+  barEnds(): Vector3[][] {
+    this.group.updateMatrixWorld(true);
+    return this.#document.links.flatMap(({ bars }, i) => bars.map(({ from_m, to_m }) => [from_m, to_m].map((end) => this.#links[i]!.localToWorld(new Vector3(...(end as [number, number, number]))))));
+  }
+
   /** Positions of the joints by name, in the scene. */
   jointPositions(): { name: string; actuated: boolean; position: Vector3 }[] {
     this.group.updateMatrixWorld(true);

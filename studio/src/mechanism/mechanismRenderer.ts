@@ -43,6 +43,8 @@ const DESCRIPTIONS = {
 } as const;
 /** Length of a joint and its surroundings among many joints [sizes]: joints have no labels in views from far away. */
 const LABELLED = 0.18;
+/** Labels of mechanisms with more bars may cover them. */
+const MOST_AVOIDED = 40;
 /** The view is larger than the mechanism by this factor, for labels and buttons. */
 const MARGIN = 1.22;
 /** Largest share of the height of a pane that buttons and legend keep free of the mechanism, at the top and at the bottom. */
@@ -441,7 +443,8 @@ export class MechanismRenderer extends SceneRenderer {
     this.#handle.group.visible = handle !== null;
     if (handle) this.#handle.place(handle, this.#drag?.wanted ?? null, this.#eye, this.paneSize.height, this.#drag !== null);
     const labels = this.#model && this.#document ? this.#labels(this.#model, this.#document.size_m) : [];
-    return { labels, covered: { left: 8, right: 8 }, occupied: [this.cornerBox(34)] };
+    const bars = this.#model?.barEnds() ?? [];
+    return { labels, avoided: bars.length <= MOST_AVOIDED ? bars : [], covered: { left: 8, right: 8 }, occupied: [this.cornerBox(34)] };
   }
 
   /** Labels of the joints of a mechanism. */

@@ -7,9 +7,12 @@ import { otherFile } from '../api/otherFile';
 import { History } from '../lib/history';
 import type { CameraPose } from '../lib/hashParts';
 import type { MechanismLink, MechanismTab } from '../lib/mechanismLink';
+import { KINDS, rememberFile } from '../lib/recentFiles';
 import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
 import { shownNumber } from '../lib/shownNumber';
+import { withFileUnit } from '../lib/units';
 import { textOf } from '../lib/textFile';
+import { readMechanismDraft, removeMechanismDraft, storeMechanismDraft, type MechanismDraft } from './draft';
 import type { PicturedView } from '../state/picture';
 import type { RecordedView } from '../state/recorder.svelte';
 
@@ -114,9 +117,11 @@ class MechanismSession {
   /** Errors by coordinate: values that cannot be commanded. */
   refused = $state.raw<Record<string, string>>({});
   notice = $state<string | null>(null);
-  /** Text of a file of another kind that another view shows. */
-  otherView = $state.raw<{ kind: 'cell'; name: string; text: string } | null>(null);
+  /** A file that another view shows, or of which this view shows a part. */
+  otherView = $state.raw<{ kind: 'cell' | 'program' | 'three_rods'; name: string; text: string } | null>(null);
   diskConflict = $state(false);
+  /** Unsaved text of an earlier visit, which is offered. */
+  draft = $state.raw<MechanismDraft | null>(null);
   moving = $state(false);
   reading = $state(false);
   canUndo = $state(false);
@@ -139,6 +144,8 @@ class MechanismSession {
   current = (analysis: Analysis<unknown> | null): boolean => analysis !== null && analysis.of === this.configuration && !this.outdated && !this.moving;
 
   #model: Model | null = null;
+  /** Whether the stored draft is that of this page. */
+  #hasStored = false;
   #version: string | null = null;
   #started = false;
   #history = new History<Work>(EMPTY);
@@ -163,8 +170,10 @@ class MechanismSession {
       if (this.work.text !== '') void this.#read(this.#here);
     });
     window.addEventListener('beforeunload', (event) => {
+      this.#store();
       if (this.changed) event.preventDefault();
     });
+    window.addEventListener('pagehide', () => this.#store());
   }
 
   /** Why there is no configuration. */
@@ -189,7 +198,44 @@ class MechanismSession {
     if (this.#started) return;
     this.#started = true;
     await Promise.all([this.#loadCatalogue(), ofServer ? this.reload() : undefined]);
+    const draft = readMechanismDraft();
+    if (draft && draft.text !== this.work.text) this.draft = draft;
     this.started = true;
+  }
+
+  // Drafts
+
+  /** Stores an unsaved text in the browser. */
+  #store(): void {
+    const { name, text, saved, ofServer } = this.work;
+    if (text !== saved) storeMechanismDraft({ name, text, saved, ofServer, stored_ms: Date.now() });
+    // The draft of an earlier visit remains until it is restored or discarded.
+    else if (this.#hasStored) removeMechanismDraft();
+    this.#hasStored = text !== saved;
+  }
+
+  /** Restores the offered text; undo returns to the previous one. */
+  async restoreDraft(): Promise<void> {
+    const { draft } = this;
+    if (!draft) return;
+    this.draft = null;
+    // Another file may have the same name: only changes of the very text of the server are saved into its file.
+    const ofServer = draft.ofServer && this.work.ofServer && this.work.name === draft.name && this.work.saved === draft.saved;
+    this.#model = null;
+    this.work = { name: draft.name, text: draft.text, parameters: {}, ofServer, saved: ofServer ? this.work.saved : draft.saved };
+    this.#commitWork();
+    this.#store();
+    this.selected = null;
+    this.point = null;
+    await this.#read(null);
+    this.shown += 1;
+    this.tab = this.diagnostics.length > 0 ? 'text' : 'tree';
+  }
+
+  /** Removes the offered text. */
+  discardDraft(): void {
+    this.draft = null;
+    removeMechanismDraft();
   }
 
   async #loadCatalogue(): Promise<void> {
@@ -236,7 +282,7 @@ class MechanismSession {
       const { kind, diagnostics, mechanism } = opened;
       if (!mechanism && diagnostics.length === 0) {
         this.notice = `${name}: ${opened.note ?? ''}`;
-        if (kind === 'cell') this.otherView = { kind, name, text };
+        if (kind === 'cell' || kind === 'program') this.otherView = { kind, name, text };
         return false;
       }
       if (loops !== null && diagnostics.some(({ in_loops }) => in_loops)) {
@@ -246,11 +292,9 @@ class MechanismSession {
       this.#model = kind === 'model' ? { name, text } : null;
       const title = kind === 'model' || kind === 'three_rods' ? name.replace(/\.\w+$/, '') + '.toml' : name;
       this.work = { name: title, text: opened.text, parameters: {}, ofServer, saved: opened.text };
-      // The first text has no predecessor.
-      if (this.#history.present.text === '') this.#history = new History(this.work);
-      else this.#history.commit(this.work);
-      this.#updateHistory();
+      this.#commitWork();
       this.notice = opened.note ?? null;
+      if (kind === 'three_rods') this.otherView = { kind, name, text };
       this.selected = null;
       this.#take(opened, true, 1);
       this.tab = diagnostics.length > 0 ? 'text' : 'tree';
@@ -261,6 +305,13 @@ class MechanismSession {
     } finally {
       if (this.#abort === abort) this.reading = false;
     }
+  }
+
+  /** Adds an opened text to the undo history; the first one has no predecessor. */
+  #commitWork(): void {
+    if (this.#history.present.text === '') this.#history = new History(this.work);
+    else this.#history.commit(this.work);
+    this.#updateHistory();
   }
 
   /** Opens files that were chosen or dropped: a file, or a model with the file that closes its loops. */
@@ -279,7 +330,12 @@ class MechanismSession {
       const isLoops = ({ name, text }: Model) => /\.ya?ml$/i.test(name) || /^\s*kind\s*=\s*["']loops["']/m.test(text);
       const loops = texts.find(isLoops);
       const other = texts.find((one) => one !== loops);
-      if (other) await this.open(other.name, other.text, loops?.text ?? null);
+      if (other) {
+        const isOpen = await this.open(other.name, other.text, loops?.text ?? null);
+        const kind = KINDS.find((one) => one === this.opened?.kind);
+        // A model of two files is not remembered: its loops are in the other file.
+        if (isOpen && kind && !loops) rememberFile({ ...other, kind, opened_ms: Date.now() });
+      }
       else if (loops && this.#model) await this.open(this.#model.name, this.#model.text, loops.text);
       else if (loops) this.notice = `${loops.name} closes the loops of a model: open the model first, or both together.`;
     } catch (error) {
@@ -323,6 +379,7 @@ class MechanismSession {
     clearTimeout(this.#timer);
     this.#typing = false;
     if (this.#history.commit(this.work)) this.#updateHistory();
+    this.#store();
     await this.#read(this.#here);
   }
 
@@ -407,11 +464,18 @@ class MechanismSession {
       this.#version = version;
       this.diskConflict = false;
       if (this.work.ofServer) this.work = { ...this.work, saved: text };
+      this.#store();
     } catch (error) {
       if (error instanceof api.ApiError && error.field === 'replaces') this.diskConflict = !(await this.#isOfOtherFile());
       else if (error instanceof ConnectionError) this.notice = 'The text was not saved: the server does not respond. Save again after reconnection.';
       else this.failed(error);
     }
+  }
+
+  /** The text on disk and that of this page. */
+  async compareWithDisk(): Promise<{ title: string; disk: string; here: string }[]> {
+    const { name, text } = await api.mechanismFile();
+    return [{ title: name, disk: text, here: this.work.text }];
   }
 
   /** Whether the server has another file than the shown one, which is then reported. */
@@ -430,6 +494,7 @@ class MechanismSession {
     link.click();
     URL.revokeObjectURL(link.href);
     this.work = { ...this.work, saved: text };
+    this.#store();
   }
 
   // The configuration
@@ -604,7 +669,7 @@ class MechanismSession {
   /** A value of a coordinate with its unit. */
   format(name: string, value: number): string {
     const found = this.document?.coordinates.find((one) => one.name === name);
-    return found ? `${shownNumber(value, found.decimals)} ${found.unit}` : String(value);
+    return found ? withFileUnit(shownNumber(value, found.decimals), found.unit) : String(value);
   }
 
   // Analyses

@@ -1,12 +1,13 @@
 // Labels of points of a scene: they do not overlap, and have lines to their points where these are not next to them.
 
 import { Vector3, type Camera } from 'three';
+import { hull, type Point } from '../lib/geometry';
 import type { TextContext } from '../lib/svgContext';
-import { distanceTo, placeLabels, textParts, type Box, type TextPart } from '../lib/labelLayout';
+import { distanceTo, intersect, leaderEnd, placeLabels, textParts, type Box, type TextPart } from '../lib/labelLayout';
 
 export interface Label {
   position: Vector3;
-  /** `O_b` and `l₁` have subscripts. */
+  /** `O_b` and `l₁` have subscripts; lines are separated by `\n`. */
   text: string;
   colour?: string;
   /** Offset of the text from the point [px]. */
@@ -16,6 +17,10 @@ export interface Label {
   strong?: boolean;
   /** Length of the labelled part [units of the scene]: the label is hidden while it appears smaller than a text. */
   extent?: number;
+  /** The label may cover the avoided parts: it stays near its point while they move past it. */
+  stays?: boolean;
+  /** The label is hidden while its point is behind the most important avoided part, or under other elements. */
+  hides?: boolean;
 }
 
 /** Labels of a frame, and what other elements cover: widths at its left and right, and further areas of the view [px]. */
@@ -25,6 +30,8 @@ export interface Overlay {
   axes?: AxisArrow[];
   covered: { left: number; right: number };
   occupied?: Box[];
+  /** Points of convex parts that labels do not cover as long as there are other places, the most important part first. */
+  avoided?: readonly (readonly Vector3[])[];
 }
 
 const FONT = { size: 12, subscript: 9, drop: 3, height: 16 } as const;
@@ -84,33 +91,38 @@ export function paintAxes(context: TextContext, axes: readonly AxisArrow[], came
   }
 }
 
-/** Paints the labels of a pane of the view between its covered margins, and outside of occupied areas of the view. */
+/** Paints the labels of a pane of the view between its covered margins, and outside of occupied areas of the view; returns the boxes of their texts. */
 export function paintLabels(
   context: TextContext,
-  labels: readonly Label[],
+  { labels, covered, avoided = [] }: Overlay,
   camera: Camera,
   pane: Box,
-  covered: { left: number; right: number },
   occupied: readonly Box[],
   ink: { text: string; halo: string },
-): void {
+): Box[] {
   context.textBaseline = 'middle';
   context.lineJoin = 'round';
   const toPixels = (position: Vector3) => {
     const projected = position.clone().project(camera);
     return { x: pane.left + ((projected.x + 1) / 2) * (pane.right - pane.left), y: pane.top + ((1 - projected.y) / 2) * (pane.bottom - pane.top), visible: projected.z <= 1 && projected.z >= -1 };
   };
+  const areas = avoided.map((points) => hull(points.map(toPixels).flatMap(({ x, y, visible }): Point[] => (visible ? [[x, y]] : [])))).filter((area) => area.length > 1);
+  const isHidden = (x: number, y: number) => occupied.some((box) => distanceTo(box, x, y) === 0) || areas.slice(0, 1).some((area) => intersect(area, [[x, y]]));
   const sideways = new Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
   const shown = labels.flatMap((label) => {
-    const { position, text, offset, awayFrom, strong = false, extent } = label;
+    const { position, text, offset, awayFrom, strong = false, extent, hides = false, stays = false } = label;
     const { x, y, visible } = toPixels(position);
     if (!visible || x < pane.left || y < pane.top || x > pane.right || y > pane.bottom) return [];
+    if (hides && isHidden(x, y)) return [];
     if (extent !== undefined) {
       const side = toPixels(position.clone().addScaledVector(sideways, extent));
       if (Math.hypot(side.x - x, side.y - y) < SMALLEST) return [];
     }
-    const parts = textParts(text);
-    const width = measure(context, parts, strong);
+    const lines = text.split('\n').map((line) => {
+      const parts = textParts(line);
+      return { parts, width: measure(context, parts, strong) };
+    });
+    const width = Math.max(...lines.map((line) => line.width));
     let [right, down] = offset ?? [0, 0];
     if (awayFrom) {
       const from = toPixels(awayFrom);
@@ -120,12 +132,12 @@ export function paintLabels(
       down = (away[1] / distance) * 12;
     }
     // The offset is that of the near end of the text.
-    return [{ label, parts, strong, x, y, width, height: FONT.height, offset: [right + Math.sign(right) * (width / 2), down] as [number, number] }];
+    return [{ label, lines, strong, stays, x, y, width, height: lines.length * FONT.height, offset: [right + Math.sign(right) * (width / 2), down] as [number, number] }];
   });
   // Strong labels get the best places.
   shown.sort((a, b) => Number(b.strong) - Number(a.strong));
   const view: Box = { left: pane.left + covered.left, top: pane.top + 2, right: pane.right - covered.right, bottom: pane.bottom - 2 };
-  const placed = placeLabels(shown, view, occupied);
+  const placed = placeLabels(shown, view, occupied, areas);
   for (const { index, box, leader } of placed) {
     if (!leader) continue;
     const { x, y, label } = shown[index]!;
@@ -133,7 +145,7 @@ export function paintLabels(
     context.strokeStyle = label.colour ?? ink.text;
     context.beginPath();
     context.moveTo(x, y);
-    context.lineTo(Math.min(Math.max(x, box.left), box.right), Math.min(Math.max(y, box.top), box.bottom));
+    context.lineTo(...leaderEnd(box, x, y));
     context.stroke();
     context.beginPath();
     context.arc(x, y, Math.min(2, distanceTo(box, x, y)), 0, 2 * Math.PI);
@@ -141,18 +153,22 @@ export function paintLabels(
     context.fill();
   }
   for (const { index, box } of placed) {
-    const { label, parts, strong } = shown[index]!;
-    let x = box.left;
-    const y = (box.top + box.bottom) / 2;
-    for (const { text, subscript } of parts) {
-      context.font = font(strong, subscript ? FONT.subscript : FONT.size);
-      const line = y + (subscript ? FONT.drop : 0);
-      context.lineWidth = 4;
-      context.strokeStyle = ink.halo;
-      context.strokeText(text, x, line);
-      context.fillStyle = label.colour ?? ink.text;
-      context.fillText(text, x, line);
-      x += context.measureText(text).width;
-    }
+    const { x: pointX, label, lines, strong } = shown[index]!;
+    lines.forEach(({ parts, width }, line) => {
+      // Lines are aligned at the side of the point.
+      let x = pointX > box.right ? box.right - width : box.left;
+      const y = box.top + (line + 0.5) * FONT.height;
+      for (const { text, subscript } of parts) {
+        context.font = font(strong, subscript ? FONT.subscript : FONT.size);
+        const baseline = y + (subscript ? FONT.drop : 0);
+        context.lineWidth = 4;
+        context.strokeStyle = ink.halo;
+        context.strokeText(text, x, baseline);
+        context.fillStyle = label.colour ?? ink.text;
+        context.fillText(text, x, baseline);
+        x += context.measureText(text).width;
+      }
+    });
   }
+  return placed.map(({ box }) => box);
 }

@@ -3,6 +3,7 @@
 // All parts are rigid at every play scale: rods with their guides are displaced against the platform, and bearings are larger.
 
 import {
+  Box3,
   BufferGeometry,
   CylinderGeometry,
   DoubleSide,
@@ -23,6 +24,7 @@ import {
 } from 'three';
 import { cutPlate, outline, type Point } from '../lib/geometry';
 import { disposeGeometries } from './dispose';
+import { LARGEST_GAP_MM } from '../lib/playScale';
 import type { SceneColours } from './palette';
 
 /** Dimensions that are not in the robot file, chosen to resemble the robot [mm]. */
@@ -43,8 +45,8 @@ export const SIZES = {
   tail: 96,
 } as const;
 
-/** Thickness of the race of a bearing, least and largest gap around its ball [mm]: the largest one leaves a rim of the platform. */
-const BEARING = { wall: 3.2, gap: { min: 0.25, max: SIZES.rim - SIZES.ball - 7 }, step: 0.25 } as const;
+/** Thickness of the race of a bearing, least and largest gap around its ball [mm]. */
+const BEARING = { wall: 3.2, gap: { min: 0.25, max: LARGEST_GAP_MM }, step: 0.25 } as const;
 
 export interface RobotGeometry {
   /** Intersections of the rod axes with the base plane [mm]. */
@@ -198,6 +200,24 @@ export class RobotModel {
   /** Points of the outline of the platform in the base frame [mm]. */
   corners(): Vector3[] {
     return this.lines[0]!.map(([x, y]) => new Vector3(x, y, 0).applyMatrix4(this.platform.matrix));
+  }
+
+  /** Points of the convex parts that labels do not cover: platform, rods [mm]. */
+  silhouettes(): Vector3[][] {
+    const platform = this.platform.visible ? this.#platformPoints() : this.ghost.visible ? this.lines[0]!.map(([x, y]) => new Vector3(x, y, 0).applyMatrix4(this.ghost.matrix)) : [];
+    const rods = this.#limbs.map(({ ball, rod }) => {
+      const ends = [rod.position.z, ball.position.z];
+      return [-1, 1].flatMap((x) => [-1, 1].flatMap((y) => ends.map((z) => new Vector3(ball.position.x + x * SIZES.rod, ball.position.y + y * SIZES.rod, Math.max(z, 0)))));
+    });
+    return [platform, ...rods];
+  }
+
+  /** Points of the surface of the platform whose convex hull contains it [mm]. */
+  #platformPoints(): Vector3[] {
+    const half = SIZES.plate / 2 + 1;
+    if (this.#generatedPlatform) return this.lines[0]!.flatMap(([x, y]) => [half, -half].map((z) => new Vector3(x, y, z).applyMatrix4(this.platform.matrix)));
+    const { min, max } = new Box3().setFromObject(this.platform);
+    return [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => new Vector3(x, y, z))));
   }
 
   /** Replaces a generated part by a mesh of the robot file. */

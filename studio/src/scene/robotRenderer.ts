@@ -9,6 +9,7 @@ import {
   type Material,
 } from 'three';
 import type { Point } from '../lib/geometry';
+import type { Box } from '../lib/labelLayout';
 import type { View } from '../lib/link';
 import { Annotations } from './annotations';
 import { Handles } from './handles';
@@ -121,6 +122,12 @@ export class RobotRenderer extends SceneRenderer {
       const { x, y } = corner.project(this.camera);
       return { x: left + ((x + 1) / 2) * this.size.width, y: top + ((1 - y) / 2) * this.size.height };
     });
+  }
+
+  /** Boxes of the texts of all labels on the page [px]. */
+  labelsOnPage(): Box[] {
+    const { left: x, top: y } = this.canvas.getBoundingClientRect();
+    return this.labelBoxes.map(({ left, top, right, bottom }) => ({ left: x + left, top: y + top, right: x + right, bottom: y + bottom }));
   }
 
   set covered(width: number) {
@@ -323,7 +330,7 @@ export class RobotRenderer extends SceneRenderer {
     if (!this.#picture || !this.#robot) return null;
     const axes: AxisArrow[] = [];
     const labels = updateRobotScene(this.#picture, this.#robot, this.#annotations, this.vectors ? axes : null);
-    return { labels, axes, covered: { left: this.#covered + 10, right: this.isNarrow ? 8 : COLUMN }, occupied: [BUTTON, this.cornerBox(0), { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
+    return { labels, axes, avoided: this.#robot.silhouettes(), covered: { left: this.#covered + 10, right: this.isNarrow ? 8 : COLUMN }, occupied: [BUTTON, this.cornerBox(0), { left: 0, right: this.size.width, top: this.size.height - FOOTER, bottom: this.size.height }] };
   }
 
   // The pointer

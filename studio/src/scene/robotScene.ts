@@ -99,7 +99,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       rails(picture.model, socket, delta).forEach((rail) => annotations.path(rail.map(inBase), 0.45, colour, 9));
       paths.forEach((path) => annotations.path(path.map(inBase), 1.5, colour));
       annotations.dot(start, 2.6, colour);
-      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: jointTexts[k] as string, extent: 60, awayFrom: displayed.center, colour: legible(colour, theme), strong: true });
+      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: jointTexts[k] as string, extent: 90, awayFrom: displayed.center, colour: legible(colour, theme), strong: true });
     });
   }
   if (shown.ghost) {
@@ -232,7 +232,7 @@ function frame(
     const colour = colours[i] as string;
     const tip = origin.clone().add(toBase(axis).multiplyScalar(name === 'b' ? 46 : 38));
     arrow(origin, tip, colour);
-    if (labelled && name === 'b') labels.push({ position: tip, text: names[i] as string, colour, offset: [6, 0], extent: 46 });
+    if (labelled && name === 'b') labels.push({ position: tip, text: names[i] as string, colour, offset: [6, 0], extent: 46, hides: true });
   });
-  if (labelled && name === 'b') labels.push({ position: origin, text: 'O_b', offset: [-8, 10], extent: 46 });
+  if (labelled && name === 'b') labels.push({ position: origin, text: 'O_b', offset: [-8, 10], extent: 46, hides: true });
 }

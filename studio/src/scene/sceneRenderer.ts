@@ -329,7 +329,7 @@ export abstract class SceneRenderer {
       paintDivider(texts, panes, ink);
       for (const { overlay, box } of panes) {
         if (overlay.axes) paintAxes(texts, overlay.axes, this.camera, this.size);
-        if (labels) paintLabels(texts, overlay.labels, this.camera, box, { left: 8, right: 8 }, [], inks);
+        if (labels) paintLabels(texts, { ...overlay, covered: { left: 8, right: 8 } }, this.camera, box, [], inks);
       }
       paintTitles(texts, panes, inks);
       texts.textBaseline = 'alphabetic';
@@ -384,8 +384,7 @@ export abstract class SceneRenderer {
       context.clearRect(0, 0, this.size.width, this.size.height);
       paintDivider(context, panes, ink);
       const occupied = [...this.#gripBoxes(), ...this.coveredBoxes()];
-      for (const { overlay, box } of panes)
-        paintLabels(context, overlay.labels, this.camera, box, overlay.covered, [...occupied, ...(overlay.occupied ?? [])], { text: ink, halo: background });
+      this.#labelBoxes = panes.flatMap(({ overlay, box }) => paintLabels(context, overlay, this.camera, box, [...occupied, ...(overlay.occupied ?? [])], { text: ink, halo: background }));
     }
     return true;
   }
@@ -418,6 +417,13 @@ export abstract class SceneRenderer {
       if (top < height - bottom) rows.top = Math.min(Math.max(rows.top, bottom / height), MOST_COVERED);
       else rows.bottom = Math.min(Math.max(rows.bottom, (height - top) / height), MOST_COVERED);
     return rows;
+  }
+
+  #labelBoxes: Box[] = [];
+
+  /** Boxes of the texts of all labels of the view [px]. */
+  get labelBoxes(): readonly Box[] {
+    return this.#labelBoxes;
   }
 
   /** Areas of the view around the drag handles [px]. */

@@ -60,6 +60,8 @@ class TestProbe {
 
   /** Positions of the corners of the platform on the page, while the robot view is open [px]. */
   platform: (() => { x: number; y: number }[]) | null = null;
+  /** Boxes of the texts of all labels on the page, while the robot view is open [px]. */
+  labels: (() => { left: number; top: number; right: number; bottom: number }[]) | null = null;
 
   /** Number of frames rendered in the cell view. */
   cellFrames = 0;

@@ -235,6 +235,12 @@ export class RobotFile {
     }
   }
 
+  /** The text on disk and that of this page. */
+  async compareWithDisk(): Promise<{ title: string; disk: string; here: string }[]> {
+    const { name, text } = await api.robotFile();
+    return [{ title: name, disk: text, here: this.text ?? '' }];
+  }
+
   /** Whether the server has another file than the shown one, which is then reported. */
   async #isOfOtherFile(): Promise<boolean> {
     const other = await otherFile(this.name, api.robotFile);

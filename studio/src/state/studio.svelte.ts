@@ -16,6 +16,7 @@ import {
   type Virtualization,
 } from '../lib/document';
 import { History } from '../lib/history';
+import { initialScale } from '../lib/playScale';
 import { fromCellHash } from '../lib/cellLink';
 import { fromMechanismHash } from '../lib/mechanismLink';
 import { fingerprint, fromHash, toHash, type RobotIdentity, type View } from '../lib/link';
@@ -90,6 +91,8 @@ export class Studio {
 
   #history = new History<Document>(this.document);
   #lastValid: Command = this.document.command;
+  /** Whether the play scale is still to be chosen for the robot. */
+  #fitsScale = false;
   #pending: { command: api.ApiCommand; jog: Jog | null } | null = null;
   #request: Promise<void> | null = null;
   #steps = Promise.resolve();
@@ -167,6 +170,7 @@ export class Studio {
     const own = this.#identity;
     this.foreignRobot = robot && own && robot.print !== own.print ? robot.name : null;
     this.document = document;
+    this.#fitsScale = !/[#&]play=/.test(hash);
     this.#lastValid = document.command;
     this.#history = new History(document);
     this.#updateHistory();
@@ -226,6 +230,8 @@ export class Studio {
   #showRobot(robot: RobotDocument): void {
     const before = { print: this.#identity?.print, robot: JSON.stringify(this.robot) };
     const { work } = this.file;
+    const isOther = this.document.robotFile !== null && this.document.robotFile.opened !== work?.opened;
+    if (isOther) this.#fitsScale = true;
     if (this.document.robotFile === null) {
       // The loaded text is no change.
       this.document = { ...this.document, robotFile: work };
@@ -344,6 +350,7 @@ export class Studio {
             continue;
           }
           this.pose = answer;
+          if (this.#fitsScale) this.#fitScale(answer);
           if (!jog) continue;
           this.#lastValid = original;
           if (answer.stopped_by.length > 0) {
@@ -360,6 +367,20 @@ export class Studio {
       this.#request = null;
       probe.settled = true;
     }
+  }
+
+  /** Sets the play scale of a robot that was opened: its balls stay in their bearings. */
+  #fitScale({ models }: PoseDocument): void {
+    this.#fitsScale = false;
+    const answer = models.find(({ model }) => model.virtualization === this.document.model)?.answer;
+    if (!answer || !this.robot) return;
+    const displacements = this.robot.limbs.map(({ socket_m }, k) => Math.hypot(answer.sockets_m[k]![0]! - socket_m[0]!, answer.sockets_m[k]![1]! - socket_m[1]!));
+    const exaggeration = initialScale(Math.max(...displacements));
+    if (exaggeration === this.document.exaggeration) return;
+    // No step of its own: a robot that is being opened becomes a step with it.
+    const isCommitted = JSON.stringify(this.#history.present) === JSON.stringify(this.document);
+    this.document = { ...this.document, exaggeration };
+    if (isCommitted) this.#history.replace(this.document);
   }
 
   #revert(rejected: Command, why: string): void {

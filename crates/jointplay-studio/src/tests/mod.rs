@@ -5,6 +5,7 @@ mod cell_entry;
 mod cell_export;
 mod cell_jog;
 mod cell_windows;
+mod compression;
 mod controller;
 mod gallery;
 mod mechanism;

@@ -1,0 +1,1 @@
+export{i as session}from"./session.svelte-GFZSmisv.js";

@@ -1,0 +1,50 @@
+//! Responses are compressed for clients that accept gzip, and their contents stay the same.
+
+use std::io::Read as _;
+
+use axum::body::Body;
+use axum::http::{Request, header};
+
+use super::{Answer, HOST, send};
+
+fn get(path: &str, accepted: Option<&str>) -> Answer {
+    let request = Request::builder().uri(path).header(header::HOST, HOST);
+    let request = match accepted {
+        Some(accepted) => request.header(header::ACCEPT_ENCODING, accepted),
+        None => request,
+    };
+    send(request.body(Body::empty()).unwrap())
+}
+
+fn unpacked(bytes: &[u8]) -> Vec<u8> {
+    let mut found = Vec::new();
+    flate2::read::GzDecoder::new(bytes).read_to_end(&mut found).unwrap();
+    found
+}
+
+#[test]
+fn long_responses_are_compressed_for_clients_that_accept_it() {
+    let path = "/api/v1/openapi.json";
+    let plain = get(path, None);
+    assert_eq!(plain.header("content-encoding"), "");
+    for accepted in ["gzip", "br, GZIP;q=0.5", "deflate, gzip, zstd"] {
+        let compressed = get(path, Some(accepted));
+        assert_eq!(compressed.header("content-encoding"), "gzip", "{accepted}");
+        assert!(compressed.header("vary").contains("accept-encoding"), "{accepted}");
+        assert_eq!(compressed.header("content-type"), plain.header("content-type"));
+        assert!(3 * compressed.bytes.len() < plain.bytes.len(), "{accepted}");
+        assert_eq!(unpacked(&compressed.bytes), plain.bytes, "{accepted}");
+    }
+}
+
+#[test]
+fn other_responses_are_not_compressed() {
+    for accepted in ["br", "gzip;q=0", "gzip;q=x", "identity", ""] {
+        let answer = get("/api/v1/openapi.json", Some(accepted));
+        assert_eq!(answer.header("content-encoding"), "", "{accepted}");
+    }
+    assert_eq!(get("/api/v1/robot", Some("gzip")).header("content-encoding"), "", "a short one");
+    let head = Request::builder().method("HEAD").uri("/api/v1/openapi.json");
+    let head = head.header(header::HOST, HOST).header(header::ACCEPT_ENCODING, "gzip");
+    assert_eq!(send(head.body(Body::empty()).unwrap()).header("content-encoding"), "");
+}
