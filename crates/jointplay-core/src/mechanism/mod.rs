@@ -35,6 +35,7 @@ mod position;
 mod principal_directions;
 mod reach;
 mod relief;
+mod relieved_branch;
 mod relieved_motion;
 mod second_order_closing;
 mod self_stress;

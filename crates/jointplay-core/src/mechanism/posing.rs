@@ -8,6 +8,7 @@ use super::coupling_conflicts::contradicted;
 use super::description::Mechanism;
 use super::nearest::nearest_closure;
 use super::relief::{CommandedJoints, Relief, ReliefSolver, relieve};
+use super::relieved_branch::RelievedBranch;
 use super::second_order_closing::near_miss_at;
 use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
@@ -19,9 +20,7 @@ use crate::constraint::{System as _, units};
 const STARTS: usize = 30;
 /// Actuators that move by more than this multiple of the root of the mismatch at their guesses lead to another configuration: near a singular one, a closure is as far as that root.
 const FAR: f64 = 4.0;
-/// Longest and shortest step to a command, and the farthest command that is reached in steps, in radians and characteristic lengths.
-const LONGEST_STEP: f64 = 0.5;
-const SHORTEST_STEP: f64 = 0.03;
+/// The farthest command that is reached in steps, in radians and characteristic lengths.
 const FARTHEST: f64 = 20.0;
 /// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
 const CORRECTIONS: usize = 200;
@@ -291,7 +290,7 @@ pub fn relieve_commanded(
     relieve_near(mechanism, &close_at_rest(mechanism, tolerance)?, commands)
 }
 
-/// The relief from a closed configuration without commands, in steps that are so short that each is on the branch of the one before; where there is none, the relief from the closed configuration itself.
+/// The relief for commands on the branch of a closed configuration without commands; where that branch ends before, the relief from the closed configuration itself.
 fn relieve_near(
     mechanism: &Mechanism,
     home: &Closure,
@@ -301,19 +300,13 @@ fn relieve_near(
     let units = units(system.kinematics().dimensions(), system.characteristic_length());
     let by = |&(k, to): &(usize, f64)| ((to - home.coordinates[k]) / units[k]).abs();
     let distance = commands.iter().map(by).fold(0.0, f64::max);
-    let mut step = (LONGEST_STEP / distance).min(1.0);
-    let (mut here, mut done) = (home.clone(), 0.0);
-    while step * distance >= SHORTEST_STEP && distance <= FARTHEST {
-        let share = 1.0_f64.min(done + step);
-        let toward = |&(k, to): &(usize, f64)| match share {
-            1.0 => (k, to),
-            _ => (k, home.coordinates[k] + share * (to - home.coordinates[k])),
-        };
-        let part: Vec<(usize, f64)> = commands.iter().map(toward).collect();
-        match relieve_from(mechanism, &here, &part) {
-            Ok(relief) if share < 1.0 => (here.coordinates, done) = (relief.coordinates, share),
-            Err(_) => step *= 0.5,
-            reached => return reached,
+    if distance <= FARTHEST {
+        let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
+        let mut branch = RelievedBranch::new(&system, &system, &coordinates)?;
+        if let Ok(first) = branch.first()
+            && let Some(found) = branch.follow(&first.coordinates, &values)?
+        {
+            return Ok(found);
         }
     }
     relieve_from(mechanism, home, commands)

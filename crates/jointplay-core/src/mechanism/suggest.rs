@@ -380,7 +380,8 @@ fn tried(
     let mut configurations = Vec::with_capacity(commands.len());
     for command in commands {
         let start = commanded.start(command.iter().copied(), chosen.len());
-        let system = MechanismSystem::new(&relieved, start)?;
+        let system = MechanismSystem::new(&relieved, start)?
+            .with_characteristic_length(commanded.characteristic_length())?;
         let relief = match relieve(&system, commanded, ReliefSolver::LeastNorm) {
             Ok(relief) => relief,
             Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => return Ok(None),
