@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::description::Mechanism;
 use super::kinematics::Kinematics;
 use super::motion::{LONGEST_STEP, SHORTEST_STEP, on_branch};
-use super::posing::close_commanded;
+use super::posing::close_at_rest;
 use super::position::{DifferentialKinematics, PositionSolver};
 use super::relief::{CommandedJoints, ReliefSolver};
 use super::system::MechanismSystem;
@@ -39,7 +39,7 @@ impl CommandedPositions {
     /// * `commanded` – indices of the commanded joint coordinates
     ///
     /// # Errors
-    /// [`Error::PartlyCommanded`]; [`Error::TooLarge`] beyond dense algebra; those of [`close_commanded`] and [`CommandedJoints::new`].
+    /// [`Error::PartlyCommanded`]; [`Error::TooLarge`] beyond dense algebra; those of [`close_at_rest`] and [`CommandedJoints::new`].
     pub fn new(
         mechanism: &Mechanism,
         first: &DVector<f64>,
@@ -50,7 +50,7 @@ impl CommandedPositions {
             None
         } else {
             // Where rigid links do not close, virtual joints at rest are those of the first configuration.
-            let home = match close_commanded(mechanism, &[], None) {
+            let home = match close_at_rest(mechanism, None) {
                 Ok(home) => home.coordinates,
                 Err(Error::NotAssembled(_)) => {
                     let mut home = first.clone();

@@ -19,6 +19,7 @@ mod driven_motion;
 mod elementary;
 mod evidence;
 mod exaggeration;
+mod far_closing;
 mod frame_drive;
 mod frame_path;
 mod frames;

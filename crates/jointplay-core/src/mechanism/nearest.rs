@@ -9,11 +9,11 @@ use super::closing::close;
 use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::coupling_rows::coupling_rows;
 use super::description::Mechanism;
+use super::far_closing::{close_by_links, has_many_loops};
 use super::joint::Factor;
 use super::kinematics::Kinematics;
 use super::limits::{ROUND_OFF, range_scale, within_limits};
 use super::second_order_closing::{close_at_second_order, near_miss_at};
-use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
 use crate::Error;
 use crate::constraint::{Dimension, System, scaled_jacobian, units};
@@ -146,9 +146,16 @@ impl<'a> Search<'a> {
                 by[k] = share * range * random.next();
             }
             let from = self.system.kinematics().moved(self.system.home(), &by);
-            let closed = match self.closed_from(from.clone())? {
-                None => self.closed_by_links(from)?,
-                closed => closed,
+            // Of many loops, corrections of joints take long and close few.
+            let closed = match has_many_loops(&self.system) {
+                true => match self.closed_by_links(from.clone())? {
+                    None if number == 0 => self.closed_from(from)?,
+                    closed => closed,
+                },
+                false => match self.closed_from(from.clone())? {
+                    None => self.closed_by_links(from)?,
+                    closed => closed,
+                },
             };
             let Some(closed) = closed else { continue };
             let closed = self.approached(closed)?;
@@ -190,17 +197,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Closes the loops by moving each link, which closes many loops from farther away than moving joints does, since far links do not move with near joints.
+    /// Closes the loops by moving links.
     fn closed_by_links(&self, mut from: DVector<f64>) -> Result<Option<Closure>, Error> {
         clamp(&mut from, &self.free, &self.limits);
-        let mechanism = self.system.kinematics().mechanism();
-        let held: Vec<usize> = (0..from.len()).filter(|k| !self.free.contains(k)).collect();
-        let mut system = SparseSystem::new(mechanism, from)?;
-        match system.close(&held, MAX_ITERATIONS) {
-            Ok(_) => self.closed_from(system.coordinates().clone()),
-            Err(Error::NotReached { .. }) => Ok(None),
-            Err(error) => Err(error),
-        }
+        let found = close_by_links(&self.system, &self.free, from, MAX_ITERATIONS)?;
+        if found.is_closed() { self.closed_from(found.coordinates) } else { Ok(None) }
     }
 
     /// Closes the loops where corrections of first order miss closed configurations nearby, or end beyond limits.

@@ -14,7 +14,7 @@ use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
 use super::unassembled::{NEARLY_CLOSED, Unassembled};
 use crate::Error;
-use crate::constraint::{System as _, units};
+use crate::constraint::{CLOSURE_TOLERANCE, System as _, units};
 
 /// Number of other starts, if the guess does not close.
 const STARTS: usize = 30;
@@ -22,6 +22,10 @@ const STARTS: usize = 30;
 const FAR: f64 = 4.0;
 /// The farthest command that is reached in steps, in radians and characteristic lengths.
 const FARTHEST: f64 = 20.0;
+/// Displacements of joint coordinates that are farther apart are on different branches, in radians and characteristic lengths.
+const NEAR: f64 = 0.5;
+/// Sizes of displacements that differ by less are equal.
+const ROUND_OFF: f64 = 1e-9;
 /// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
 const CORRECTIONS: usize = 200;
 
@@ -74,9 +78,10 @@ pub fn close_commanded(
     Ok(nearest_closure(mechanism, &guess, &held, starts)?.unwrap_or(closed))
 }
 
-/// The configuration that displacements of virtual joints are counted from: closed, or with loops that the virtual joints close.
+/// The configuration that displacements of virtual joints are counted from, the same for all commands: closed, or with loops that the virtual joints close.
 ///
-/// Rigid loops of measured dimensions do not close, or only far from the guess: then it is the one of least displacement with the actuators at their guesses, with the virtual joints back at rest, so that the loops miss there by the play that they need.
+/// It is that of the rigid links, whatever the virtual joints are, see [`close_nearly`].
+/// Where these miss by more than a rounding of the dimensions, it is the one of least displacement with the actuators at their guesses, with the virtual joints back at rest, so that the loops miss there by the play that they need.
 ///
 /// # Arguments
 /// * `tolerance` – as for [`close_commanded`]
@@ -84,58 +89,66 @@ pub fn close_commanded(
 /// # Errors
 /// Those of [`close_commanded`].
 pub fn close_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Closure, Error> {
-    let closed = close_commanded(mechanism, &[], tolerance);
-    if mechanism.virtual_joints().is_empty() {
-        return closed;
+    if mechanism.virtual_joints().is_empty() || !MechanismSystem::fits(mechanism) {
+        return close_commanded(mechanism, &[], tolerance);
     }
-    match closed {
+    match close_rigid_nearly(mechanism, tolerance) {
+        Ok(home) => {
+            let count = home.coordinates.len() + mechanism.virtual_joints().len();
+            let coordinates = home.coordinates.resize_vertically(count, 0.0);
+            Ok(Closure { coordinates, ..home })
+        }
         Err(Error::NotAssembled(found)) => {
             at_rest_by_play(mechanism).map_err(|_| Error::NotAssembled(found))
         }
-        Ok(home) if is_beyond_near_miss(mechanism, &home)? => {
-            at_rest_by_play(mechanism).or(Ok(home))
-        }
-        closed => closed,
+        Err(error) => Err(error),
     }
 }
 
-/// Whether rigid links nearly close with the actuators at their guesses, and close exactly only far from there: a correction follows a motion that nearly closes as far as it has to.
-fn is_beyond_near_miss(mechanism: &Mechanism, home: &Closure) -> Result<bool, Error> {
-    if !MechanismSystem::fits(mechanism) {
-        return Ok(false);
+/// The configuration of the rigid links from which virtual joints are suggested: closed, or where measured dimensions miss a closure by little.
+///
+/// Where rigid links nearly close with the actuators at their guesses, and exactly only far from there, or not at all, it is the configuration of least mismatch with the actuators at their guesses.
+/// The virtual joints of the mechanism have no effect; those that are suggested then close the loops too.
+///
+/// # Errors
+/// Those of [`close_commanded`], where the loops miss by more than a rounding of the dimensions.
+pub fn close_nearly(mechanism: &Mechanism) -> Result<Closure, Error> {
+    close_rigid_nearly(mechanism, None)
+}
+
+/// As [`close_nearly`].
+///
+/// # Arguments
+/// * `tolerance` – as for [`close_commanded`]
+fn close_rigid_nearly(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Closure, Error> {
+    let rigid = mechanism.clone().with_virtual_joints(Vec::new());
+    let rigid = rigid.expect("a list without virtual joints is valid");
+    match close_commanded(&rigid, &[], tolerance) {
+        Ok(home) if !MechanismSystem::fits(&rigid) => Ok(home),
+        Ok(home) => Ok(nearer_miss(&rigid, &home)?.unwrap_or(home)),
+        Err(Error::NotAssembled(found)) => match (found.near_miss(), near_at_guess(&rigid)?) {
+            (Some(_), Some(near)) => Ok(near),
+            (Some(near), None) => Ok(near.clone()),
+            (None, _) => Err(Error::NotAssembled(found)),
+        },
+        Err(error) => Err(error),
     }
-    let Some(near) = near_at_guess(mechanism)?.filter(|near| !near.is_closed()) else {
-        return Ok(false);
-    };
+}
+
+/// The near miss with the actuators at their guesses, where the closed configuration is far from it: a correction follows a motion that nearly closes as far as it has to.
+fn nearer_miss(mechanism: &Mechanism, home: &Closure) -> Result<Option<Closure>, Error> {
     let system = MechanismSystem::new(mechanism, guess(mechanism))?;
     let units = units(system.kinematics().dimensions(), system.characteristic_length());
     let by = system.kinematics().displacement(system.home(), &home.coordinates);
     let actuated = mechanism.actuated_coordinates().into_iter();
     let moved = actuated.map(|k| (by[k] / units[k]).abs()).fold(0.0, f64::max);
-    Ok(moved > FAR * near.residual.sqrt())
-}
-
-/// The configuration of the rigid links from which virtual joints are suggested: closed, or where measured dimensions miss a closure by little.
-///
-/// With virtual joints, which a search replaces, it is that of [`close_at_rest`]; without them, the one of least mismatch with the actuators at their guesses, also where a displacement of the actuators closes the loops exactly.
-/// The suggested virtual joints then close the loops too.
-///
-/// # Errors
-/// Those of [`close_at_rest`], where the loops miss by more than a rounding of the dimensions.
-pub fn close_nearly(mechanism: &Mechanism) -> Result<Closure, Error> {
-    let home = match close_at_rest(mechanism, None) {
-        Ok(home) if home.is_searched && is_near_miss(mechanism)? => {
-            near_at_guess(mechanism)?.unwrap_or(home)
-        }
-        Err(Error::NotAssembled(found)) => match (found.near_miss(), near_at_guess(mechanism)?) {
-            (Some(_), Some(near)) => near,
-            (Some(near), None) => near.clone(),
-            (None, _) => return Err(Error::NotAssembled(found)),
-        },
-        home => home?,
-    };
-    let coordinates = home.coordinates.rows(0, mechanism.joint_freedoms()).into_owned();
-    Ok(Closure { coordinates, ..home })
+    let is_far = |residual: f64| moved > FAR * residual.sqrt();
+    let is_next_to_miss = home.is_searched && is_near_miss(mechanism)?;
+    if !home.is_closed() || !(is_next_to_miss || is_far(CLOSURE_TOLERANCE)) {
+        return Ok(None);
+    }
+    let near = near_at_guess(mechanism)?.filter(|near| !near.is_closed());
+    Ok(near.filter(|near| is_next_to_miss || is_far(near.residual)))
 }
 
 /// Whether the guess is next to a near miss that does not close.
@@ -247,31 +260,49 @@ pub fn pose_commanded(
     commands: &[(usize, f64)],
     tolerance: Option<f64>,
 ) -> Result<Posed, Error> {
-    let is_relieved = !mechanism.virtual_joints().is_empty() && !commands.is_empty();
+    if mechanism.virtual_joints().is_empty() || !MechanismSystem::fits(mechanism) {
+        let closed = close_commanded(mechanism, commands, tolerance)?;
+        return Ok(Posed { closed, relief: None });
+    }
+    if commands.is_empty() {
+        return pose_at_rest(mechanism, tolerance);
+    }
     // Play near the guess, rather than another configuration far from it.
     let near = |found: &Unassembled, tolerance: Option<f64>| found.within(tolerance?).cloned();
-    let closed = match is_relieved {
-        true => close(mechanism, commands, tolerance, near),
-        false => close_commanded(mechanism, commands, tolerance),
-    };
-    match closed {
-        Err(Error::NotAssembled(found)) if !mechanism.virtual_joints().is_empty() => {
-            let (relief, is_searched) = if is_relieved {
-                let home = close_at_rest(mechanism, tolerance)?;
-                (relieve_near(mechanism, &home, commands)?, home.is_searched)
-            } else {
-                let relief = relief_at_guess(mechanism);
-                (relief.map_err(|_| Error::NotAssembled(found))?, false)
-            };
-            let closed = Closure {
-                coordinates: relief.coordinates.clone(),
-                residual: relief.residual,
-                iterations: relief.iterations,
-                is_searched,
-            };
-            Ok(Posed { closed, relief: Some(relief) })
+    match close(mechanism, commands, tolerance, near) {
+        Err(Error::NotAssembled(_)) => {
+            let home = close_at_rest(mechanism, tolerance)?;
+            Ok(Posed::relieved(relieve_near(mechanism, &home, commands)?, home.is_searched))
         }
         closed => Ok(Posed { closed: closed?, relief: None }),
+    }
+}
+
+/// The configuration that displacements are counted from, with the virtual joints displaced with the actuators at their guesses if rigid links do not close there.
+fn pose_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Posed, Error> {
+    let home = close_at_rest(mechanism, tolerance)?;
+    if home.is_closed() || tolerance.is_some_and(|tolerance| home.residual <= tolerance) {
+        return Ok(Posed { closed: home, relief: None });
+    }
+    match relieve_near(mechanism, &home, &actuators_at_guess(mechanism)) {
+        Ok(relief) => Ok(Posed::relieved(relief, false)),
+        // Play does not close the near miss.
+        Err(_) => {
+            let closed = close_commanded(mechanism, &[], tolerance)?;
+            Ok(Posed { closed, relief: None })
+        }
+    }
+}
+
+impl Posed {
+    fn relieved(relief: Relief, is_searched: bool) -> Self {
+        let closed = Closure {
+            coordinates: relief.coordinates.clone(),
+            residual: relief.residual,
+            iterations: relief.iterations,
+            is_searched,
+        };
+        Self { closed, relief: Some(relief) }
     }
 }
 
@@ -290,7 +321,7 @@ pub fn relieve_commanded(
     relieve_near(mechanism, &close_at_rest(mechanism, tolerance)?, commands)
 }
 
-/// The relief for commands on the branch of a closed configuration without commands; where that branch ends before, the relief from the closed configuration itself.
+/// The relief for commands, on the branch of a configuration without commands; the least of several displacements that are least nearby, which rigid links that do not close have.
 fn relieve_near(
     mechanism: &Mechanism,
     home: &Closure,
@@ -300,16 +331,21 @@ fn relieve_near(
     let units = units(system.kinematics().dimensions(), system.characteristic_length());
     let by = |&(k, to): &(usize, f64)| ((to - home.coordinates[k]) / units[k]).abs();
     let distance = commands.iter().map(by).fold(0.0, f64::max);
-    if distance <= FARTHEST {
-        let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
-        let mut branch = RelievedBranch::new(&system, &system, &coordinates)?;
-        if let Ok(first) = branch.first()
-            && let Some(found) = branch.follow(&first.coordinates, &values)?
-        {
-            return Ok(found);
-        }
+    let at_once = relieve_from(mechanism, home, commands);
+    if distance > FARTHEST {
+        return at_once;
     }
-    relieve_from(mechanism, home, commands)
+    let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
+    let mut branch = RelievedBranch::new(&system, &system, &coordinates)?;
+    let Ok(first) = branch.first() else { return at_once };
+    let Some(followed) = branch.follow(&first.coordinates, &values)? else { return at_once };
+    let is_near =
+        |other: &Relief| branch.distance(&followed.coordinates, &other.coordinates) < NEAR;
+    let is_less = |other: &Relief| other.size < followed.size * (1.0 - ROUND_OFF);
+    match at_once {
+        Ok(other) if is_less(&other) && is_near(&other) => Ok(other),
+        _ => Ok(followed),
+    }
 }
 
 /// The relief from one configuration.
@@ -338,7 +374,6 @@ impl CommandedJoints {
         values: impl IntoIterator<Item = f64>,
         solver: ReliefSolver,
     ) -> Result<Relief, Error> {
-        let start = self.start(values, mechanism.virtual_joints().len());
-        relieve(&MechanismSystem::new(mechanism, start)?, self, solver)
+        relieve(&self.system(mechanism, values)?, self, solver)
     }
 }

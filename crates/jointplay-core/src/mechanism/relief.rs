@@ -170,6 +170,23 @@ impl CommandedJoints {
         self.length
     }
 
+    /// A mechanism where [`relieve`] starts, with the characteristic length of home.
+    ///
+    /// # Arguments
+    /// * `mechanism` – with any virtual joints
+    /// * `values` – of the commanded coordinates (m, rad)
+    ///
+    /// # Errors
+    /// Those of [`MechanismSystem::new`].
+    pub fn system<'m>(
+        &self,
+        mechanism: &'m Mechanism,
+        values: impl IntoIterator<Item = f64>,
+    ) -> Result<MechanismSystem<'m>, Error> {
+        let start = self.start(values, mechanism.virtual_joints().len());
+        MechanismSystem::new(mechanism, start)?.with_characteristic_length(self.length)
+    }
+
     /// Home with the commanded coordinates at other values and all virtual joints at rest: where [`relieve`] starts.
     ///
     /// # Arguments
@@ -205,24 +222,26 @@ fn passive(joints: usize, commanded: &[usize]) -> Vec<usize> {
 /// Rigid links that do not close have several displacements that are least nearby.
 /// From an open home, the iteration starts where the passive joints close the loops best with the virtual joints at rest, so that the displacement does not depend on where home is along a motion that nearly closes.
 /// Undetermined motions of the passive joints are excluded from this elimination, and bring the joints as near home as closed loops allow.
-/// The characteristic length of the metric is that of home, whatever the commands.
+/// The characteristic length of the metric is that of the start: that of home in [`CommandedJoints::system`].
 /// Joint limits are not checked: see [`super::Mechanism::beyond_limits`].
 pub fn relieve(
     start: &MechanismSystem<'_>,
     commanded: &CommandedJoints,
     solver: ReliefSolver,
 ) -> Result<Relief, Error> {
-    let mut start = start.clone().with_characteristic_length(commanded.length)?;
-    if commanded.is_open {
+    let near_miss;
+    let start = if commanded.is_open {
         let passive = passive(start.coordinate_dimensions().len(), &commanded.coordinates);
-        let mut coordinates = near_miss_at(&start, &passive)?.coordinates;
+        let mut coordinates = near_miss_at(start, &passive)?.coordinates;
         // A ball of which one number is commanded turns by the others.
         for &k in &commanded.coordinates {
             coordinates[k] = start.home()[k];
         }
-        start = start.moved_to(coordinates)?;
-    }
-    let start = &start;
+        near_miss = start.moved_to(coordinates)?;
+        &near_miss
+    } else {
+        start
+    };
     let first = relieved_from(start, commanded, solver, LONGEST_STEP)?;
     if first.residual <= CLOSURE_TOLERANCE {
         return Ok(first);

@@ -122,7 +122,7 @@ impl<'a> RelievedBranch<'a> {
     }
 
     /// Distance of the joint coordinates of two configurations, in radians and characteristic lengths.
-    fn distance(&self, from: &DVector<f64>, to: &DVector<f64>) -> f64 {
+    pub(super) fn distance(&self, from: &DVector<f64>, to: &DVector<f64>) -> f64 {
         let by = self.system.kinematics().displacement(from, to);
         by.component_div(&self.units.rows(0, by.len())).norm()
     }

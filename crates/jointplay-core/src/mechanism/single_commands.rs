@@ -69,9 +69,9 @@ pub fn single_commands(
     let commanded = CommandedJoints::new(&at_home, &coordinates)?;
     let needed = |k: usize, by: f64| {
         let values = coordinates.iter().map(|&j| home[j] + if j == k { by } else { 0.0 });
-        let system = MechanismSystem::new(mechanism, commanded.start(values, count))?;
+        let system = commanded.system(mechanism, values)?;
         match relieve(&system, &commanded, ReliefSolver::LeastNorm) {
-            Ok(found) => Ok(Some(size_in_metric(&at_home, &found.virtual_joints))),
+            Ok(found) => Ok(Some(size_in_metric(&system, &found.virtual_joints))),
             Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => Ok(None),
             Err(error) => Err(error),
         }
