@@ -7,7 +7,7 @@ use super::closure::Closure;
 use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
 use crate::Error;
-use crate::constraint::System as _;
+use crate::constraint::{CLOSURE_TOLERANCE, System as _};
 
 /// Loops of a mechanism whose links are moved one by one: with more of them, corrections of joint coordinates move far links too far.
 const MANY_LOOPS: usize = 6;
@@ -54,12 +54,15 @@ pub(super) fn close_by_links(
 ) -> Result<Closure, Error> {
     let held: Vec<usize> = (0..from.len()).filter(|k| !free.contains(k)).collect();
     let mut links = SparseSystem::new(system.kinematics().mechanism(), from)?;
-    let iterations = match links.close(&held, max_iterations) {
+    let closed = links.close(&held, max_iterations);
+    let there = system.moved_to(links.coordinates().clone())?;
+    let residual = there.mismatch(&there.at_home());
+    let iterations = match closed {
+        // Round-off of each joint adds up along a loop.
+        Ok(_) if residual > CLOSURE_TOLERANCE => return close(&there, free, max_iterations),
         Ok(iterations) | Err(Error::NotReached { iterations, .. }) => iterations,
         Err(error) => return Err(error),
     };
-    let there = system.moved_to(links.coordinates().clone())?;
-    let residual = there.mismatch(&there.at_home());
     let coordinates = there.home().clone();
     Ok(Closure { coordinates, residual, iterations, is_searched: false })
 }

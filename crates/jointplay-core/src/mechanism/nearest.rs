@@ -9,7 +9,7 @@ use super::closing::close;
 use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::coupling_rows::coupling_rows;
 use super::description::Mechanism;
-use super::far_closing::{close_by_links, has_many_loops};
+use super::far_closing::{close_by_links, close_from_far, has_many_loops};
 use super::joint::Factor;
 use super::kinematics::Kinematics;
 use super::limits::{ROUND_OFF, range_scale, within_limits};
@@ -146,16 +146,12 @@ impl<'a> Search<'a> {
                 by[k] = share * range * random.next();
             }
             let from = self.system.kinematics().moved(self.system.home(), &by);
-            // Of many loops, corrections of joints take long and close few.
-            let closed = match has_many_loops(&self.system) {
-                true => match self.closed_by_links(from.clone())? {
-                    None if number == 0 => self.closed_from(from)?,
-                    closed => closed,
-                },
-                false => match self.closed_from(from.clone())? {
-                    None => self.closed_by_links(from)?,
-                    closed => closed,
-                },
+            let closed = match self.closed_from(from.clone())? {
+                // Steps of second order take long where there are many loops.
+                None if has_many_loops(&self.system) && number > 0 => None,
+                None if has_many_loops(&self.system) => self.closed_at_second_order(from)?,
+                None => self.closed_by_links(from)?,
+                closed => closed,
             };
             let Some(closed) = closed else { continue };
             let closed = self.approached(closed)?;
@@ -184,16 +180,18 @@ impl<'a> Search<'a> {
         self.displacement(self.system.home(), to).norm()
     }
 
-    /// Closes the loops; coordinates beyond their limits are put on them and held there. Where this does not close, angles beyond take another turn.
+    /// Closes the loops; coordinates beyond their limits are put on them and held there. Where this does not close, angles beyond take another turn, and a few loops are closed at second order.
     fn closed_from(&self, from: DVector<f64>) -> Result<Option<Closure>, Error> {
-        match self.closed_by(from.clone(), |_, angle| angle)? {
+        let found = match self.closed_by(from.clone(), |_, angle| angle)? {
             Attempt { closure: None, can_turn: true } => {
                 let turned = |k, angle| self.turned_within(k, angle).unwrap_or(angle);
-                let found = self.closed_by(from.clone(), turned)?.closure;
-                found.map_or_else(|| self.closed_at_second_order(from), |found| Ok(Some(found)))
+                self.closed_by(from.clone(), turned)?.closure
             }
-            Attempt { closure: None, .. } => self.closed_at_second_order(from),
-            Attempt { closure, .. } => Ok(closure),
+            Attempt { closure, .. } => closure,
+        };
+        match found {
+            None if !has_many_loops(&self.system) => self.closed_at_second_order(from),
+            found => Ok(found),
         }
     }
 
@@ -230,7 +228,7 @@ impl<'a> Search<'a> {
         let mut iterations = 0;
         let mut can_turn = false;
         for _ in 0..MAX_CLAMPINGS {
-            let found = close(&self.system.moved_to(from)?, &free, MAX_ITERATIONS)?;
+            let found = close_from_far(&self.system, &free, from, MAX_ITERATIONS)?;
             iterations += found.iterations;
             if !found.is_closed() {
                 break;
