@@ -86,7 +86,7 @@ impl Stage {
     /// All cranks equal and parallel, and no play displaced.
     fn parallel(&self, to: f64) -> DVector<f64> {
         let joints = 2 * self.places.len();
-        let sense = |k: usize| if k % 2 == 0 { to } else { -to };
+        let sense = |k: usize| if k.is_multiple_of(2) { to } else { -to };
         DVector::from_fn(joints + self.play.len(), |k, _| if k < joints { sense(k) } else { 0.0 })
     }
 }

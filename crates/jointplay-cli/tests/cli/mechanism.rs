@@ -1193,6 +1193,39 @@ fn the_default_range_of_a_motion_is_within_the_limits() {
     assert!(driven.iter().all(|one| one.as_f64().unwrap() >= 5.0), "{}", run.stdout);
 }
 
+/// Rigid links allow the motion, so that the play at rest and all angles are those of the linkage without play; at a thousandth of the size too.
+#[test]
+fn a_linkage_with_play_in_one_step_moves_as_without_play_at_any_size() {
+    let sandbox = Sandbox::new();
+    let sarrus = sandbox.done("catalogue show sarrus");
+    let mut play = String::new();
+    for joint in ["B2", "B3"] {
+        for (name, slide) in [("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])] {
+            play += &format!(
+                "\n[[virtual_joint]]\nname = \"{joint} {name}\"\njoint = \"{joint}\"\nslide = {slide:?}\n"
+            );
+        }
+    }
+    let drive = "--drive A1=0:8 --steps";
+    let rigid = sandbox.json(&format!("move sarrus {drive} 40"));
+    let last = |found: &serde_json::Value, name: &str| {
+        found["series"][name].as_array().unwrap().last().unwrap().as_f64().unwrap()
+    };
+    for unit in ["m", "mm", "um"] {
+        let units = format!("length = \"{unit}\"");
+        let text = sarrus.replace("length = \"m\"", &units).replace("length = \"mm\"", &units);
+        sandbox.write("play.toml", &format!("{text}{play}"));
+        for steps in [1, 3, 40] {
+            let found = sandbox.json(&format!("move play.toml {drive} {steps}"));
+            for joint in ["A1", "A2", "A3", "B1", "B2", "B3"] {
+                let name = format!("{joint}_deg");
+                let off = (last(&found, &name) - last(&rigid, &name)).abs();
+                assert!(off < 1e-5, "{unit}, {steps} steps: {joint} by {off}");
+            }
+        }
+    }
+}
+
 /// Three parallel cranks, the third longer by e: rigid links nearly close at every angle and exactly only where they are flat, far from the guess. Play takes up e along the crank, in closed form.
 #[test]
 fn a_crank_that_is_too_long_needs_its_excess_as_play_at_every_angle() {

@@ -3,9 +3,9 @@
 use nalgebra::DVector;
 
 use super::description::Mechanism;
+use super::home::close_at_rest;
 use super::kinematics::Kinematics;
 use super::motion::{LONGEST_STEP, SHORTEST_STEP, on_branch};
-use super::posing::close_at_rest;
 use super::position::{DifferentialKinematics, PositionSolver};
 use super::relief::{CommandedJoints, ReliefSolver};
 use super::system::MechanismSystem;
