@@ -22,6 +22,7 @@ mod positions;
 mod reach;
 mod robot;
 mod robot_as_mechanism;
+mod scales;
 mod self_stress;
 mod sparse;
 mod suggest_brute_force;

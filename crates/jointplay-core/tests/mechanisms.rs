@@ -681,7 +681,8 @@ fn exaggerated_play_grows_from_the_truth() {
         for factor in [1.0 + 1e-9, 500.0] {
             for (large, small) in apart(factor).iter().zip(&truth) {
                 // Turns grow by their chord, which a small one all but is.
-                assert!((large - factor * small).abs() < 0.05 * factor * small + 1e-14);
+                let off = (large - factor * small).abs();
+                assert!(off < 0.05 * factor * small + 1e-14, "{factor} {large:e} {small:e}");
             }
         }
         assert!(exaggerate_play(&mechanism, &found.coordinates, f64::NAN).is_err());

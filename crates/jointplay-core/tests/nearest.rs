@@ -3,7 +3,7 @@
 use crate::families;
 use crate::planar;
 
-use families::scissor_lift;
+use families::{bennett_row, scissor_lift};
 use jointplay_core::Error;
 use jointplay_core::mechanism::{
     Coupling, Joint, JointCoordinate, JointKind, Kinematics, Mechanism, assemble, close_commanded,
@@ -58,18 +58,47 @@ proptest! {
     #[test]
     fn guesses_of_many_loops_close(turns in prop::collection::vec(-0.8..0.8_f64, 47)) {
         let mechanism = scissor_lift(16);
-        let start = guess(&mechanism);
-        let start = DVector::from_fn(start.len(), |k, _| start[k] + turns[k]);
+        let start = turned(&mechanism, &turns);
         let found = nearest_closure(&mechanism, &start, &[], 30).unwrap();
         prop_assert!(found.is_some());
-        let found = found.unwrap();
-        let poses = Kinematics::new(&mechanism).link_poses(&found.coordinates).unwrap();
-        for joint in mechanism.joints() {
-            let [first, second] = [0, 1].map(|side| poses[joint.links[side]] * joint.frames[side]);
-            let apart = first.translation.vector - second.translation.vector;
-            prop_assert!(apart.norm() < 1e-9, "{}", joint.name);
+        prop_assert!(pins_apart(&mechanism, &found.unwrap().coordinates) < 1e-9);
+    }
+
+    /// Where such a guess does not close, others do, and the error lists them.
+    #[test]
+    fn other_starts_of_many_loops_close(
+        is_lift in any::<bool>(),
+        turns in prop::collection::vec(-0.8..0.8_f64, 60),
+    ) {
+        let mechanism = if is_lift { scissor_lift(16) } else { bennett_row(12) };
+        let start = turned(&mechanism, &turns);
+        match assemble(&mechanism, &start, &[], 30) {
+            Ok(closed) => prop_assert!(pins_apart(&mechanism, &closed.coordinates) < 1e-9),
+            Err(Error::NotAssembled(found)) => {
+                prop_assert!(!found.branches.is_empty() && found.nearest.is_some(), "{found}");
+                for closed in found.branches.iter().chain(&found.nearest) {
+                    prop_assert!(pins_apart(&mechanism, &closed.coordinates) < 1e-9);
+                }
+            }
+            Err(error) => prop_assert!(false, "{error}"),
         }
     }
+}
+
+/// The guess of a mechanism with its coordinates turned.
+fn turned(mechanism: &Mechanism, turns: &[f64]) -> DVector<f64> {
+    let start = guess(mechanism);
+    DVector::from_fn(start.len(), |k, _| start[k] + turns[k])
+}
+
+/// Largest distance of the two frames of a joint (m).
+fn pins_apart(mechanism: &Mechanism, coordinates: &DVector<f64>) -> f64 {
+    let poses = Kinematics::new(mechanism).link_poses(coordinates).unwrap();
+    let apart = mechanism.joints().iter().map(|joint| {
+        let [first, second] = [0, 1].map(|side| poses[joint.links[side]] * joint.frames[side]);
+        (first.translation.vector - second.translation.vector).norm()
+    });
+    apart.fold(0.0, f64::max)
 }
 
 #[test]

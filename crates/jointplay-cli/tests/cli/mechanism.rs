@@ -1193,10 +1193,61 @@ fn the_default_range_of_a_motion_is_within_the_limits() {
     assert!(driven.iter().all(|one| one.as_f64().unwrap() >= 5.0), "{}", run.stdout);
 }
 
+/// Rigid links allow the motion, so that the play at rest and all angles are those of the linkage without play; at a thousandth of the size too.
+#[test]
+fn a_linkage_with_play_in_one_step_moves_as_without_play_at_any_size() {
+    let sandbox = Sandbox::new();
+    let sarrus = sandbox.done("catalogue show sarrus");
+    let mut play = String::new();
+    for joint in ["B2", "B3"] {
+        for (name, slide) in [("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])] {
+            play += &format!(
+                "\n[[virtual_joint]]\nname = \"{joint} {name}\"\njoint = \"{joint}\"\nslide = {slide:?}\n"
+            );
+        }
+    }
+    let drive = "--drive A1=0:8 --steps";
+    let rigid = sandbox.json(&format!("move sarrus {drive} 40"));
+    let last = |found: &serde_json::Value, name: &str| {
+        found["series"][name].as_array().unwrap().last().unwrap().as_f64().unwrap()
+    };
+    for unit in ["m", "mm", "um"] {
+        let units = format!("length = \"{unit}\"");
+        let text = sarrus.replace("length = \"m\"", &units).replace("length = \"mm\"", &units);
+        sandbox.write("play.toml", &format!("{text}{play}"));
+        for steps in [1, 3, 40] {
+            let found = sandbox.json(&format!("move play.toml {drive} {steps}"));
+            for joint in ["A1", "A2", "A3", "B1", "B2", "B3"] {
+                let name = format!("{joint}_deg");
+                let off = (last(&found, &name) - last(&rigid, &name)).abs();
+                assert!(off < 1e-5, "{unit}, {steps} steps: {joint} by {off}");
+            }
+        }
+    }
+}
+
 /// Three parallel cranks, the third longer by e: rigid links nearly close at every angle and exactly only where they are flat, far from the guess. Play takes up e along the crank, in closed form.
 #[test]
 fn a_crank_that_is_too_long_needs_its_excess_as_play_at_every_angle() {
     let excess = 0.001;
+    let sandbox = Sandbox::new();
+    sandbox.write("cranks.toml", &cranks_in_inches(excess, true));
+    for angle in [0.0, 5.0, 10.0, 20.0, 45.0, 60.0, 80.0, 100.0, 120.0, -20.0, -90.0_f64] {
+        let found = sandbox.json(&format!("mobility cranks.toml --at A0={angle}"));
+        let direction = (40.0 + angle).to_radians();
+        for (name, expected) in [("play x", direction.cos()), ("play y", direction.sin())] {
+            let play = found["virtual_joints"][name].as_f64().unwrap();
+            // The other cranks may turn by a small angle, which changes the play by its square.
+            assert!((play - excess * expected).abs() < 1e-3 * excess, "{angle}: {found}");
+        }
+    }
+    // Without a command too, and not where the links close exactly.
+    let found = sandbox.json("assemble cranks.toml");
+    assert!(found["coordinates"]["A1"].as_f64().unwrap().abs() < 0.1, "{found}");
+}
+
+/// Three parallel cranks of 2 in, the third longer by an excess (in), with or without play at it.
+fn cranks_in_inches(excess: f64, has_play: bool) -> String {
     let [bx, by] = [40.0_f64.to_radians().cos(), 40.0_f64.to_radians().sin()];
     let mut file = HEAD.replace("\"mm\"", "\"in\"");
     let bases = [[0.0, 0.0], [3.0, 0.0], [7.0, 1.0]];
@@ -1214,20 +1265,43 @@ fn a_crank_that_is_too_long_needs_its_excess_as_play_at_every_angle() {
             );
         }
     }
-    for (name, slide) in [("x", "[1, 0, 0]"), ("y", "[0, 1, 0]")] {
+    for (name, slide) in [("x", "[1, 0, 0]"), ("y", "[0, 1, 0]")].into_iter().filter(|_| has_play) {
         file += &format!(
             "[[virtual_joint]]\nname = \"play {name}\"\njoint = \"B2\"\nslide = {slide}\nclearance = 0.0015\n"
         );
     }
+    file
+}
+
+/// A suggested set, written into the file, needs the same displacement at the same command: both are counted from the near miss at the guess, where the links close to their rounding or exactly only far away.
+#[test]
+fn suggestions_and_commands_start_from_one_configuration() {
     let sandbox = Sandbox::new();
-    sandbox.write("cranks.toml", &file);
-    for angle in [0.0, 5.0, 10.0, 20.0, 45.0, 60.0, 80.0, 100.0, 120.0, -20.0, -90.0_f64] {
-        let found = sandbox.json(&format!("mobility cranks.toml --at A0={angle}"));
-        let direction = (40.0 + angle).to_radians();
-        for (name, expected) in [("play x", direction.cos()), ("play y", direction.sin())] {
-            let play = found["virtual_joints"][name].as_f64().unwrap();
-            // The other cranks may turn by a small angle, which changes the play by its square.
-            assert!((play - excess * expected).abs() < 1e-3 * excess, "{angle}: {found}");
+    let bennett = sandbox.done("catalogue show bennett");
+    let rounded = |b: &str| bennett.replace("b = 0.11\n", &format!("b = {b}\n"));
+    let cases = [
+        (rounded("0.1101"), "J1=50"),
+        (rounded("0.11003"), "J1=60"),
+        (rounded("0.1100001"), "J1=54"),
+        (cranks_in_inches(0.001, false), "A0=3"),
+        (cranks_in_inches(0.001, true), "A0=-10"),
+    ];
+    for (text, command) in cases {
+        sandbox.write("links.toml", &text);
+        for set in [1, 3] {
+            let line = format!("suggest links.toml --command {command} --write {set}");
+            let found = sandbox.json(&format!("{line} --out play.toml --force"));
+            let least = found["sets"][set - 1]["size_mm"].as_f64().unwrap();
+            // Play of the size of the inaccuracy, and not of a far configuration.
+            assert!(least < 0.2, "{command}: {least}");
+            let closed = sandbox.json(&format!("sensitivity play.toml --command {command}"));
+            let unit = match closed["size_unit"].as_str().unwrap() {
+                "um" => 1e-3,
+                "mil" => 0.0254,
+                unit => panic!("{unit}"),
+            };
+            let size = unit * closed["size"].as_f64().unwrap();
+            assert!((size / least - 1.0).abs() < 1e-6, "{command}, set {set}: {size} {least}");
         }
     }
 }

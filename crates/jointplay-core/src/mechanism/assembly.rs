@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::closing::close;
 use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::description::Mechanism;
+use super::far_closing::close_from_far;
 use super::nearest::nearest_closure;
 use super::second_order_closing::{close_at_second_order, near_miss_at};
 use super::system::{LoopGap, MechanismSystem};
@@ -207,16 +208,20 @@ fn search(
                     _ => START_RANGE * system.characteristic_length(),
                 };
         }
-        let mut found = close(&system.moved(&by)?, free, MAX_ITERATIONS)?;
+        let from = system.kinematics().moved(system.home(), &by);
+        let mut found = close_from_far(system, free, from, MAX_ITERATIONS)?;
         if let Some(closed) = close_at_second_order(system, free, &found)? {
             found = closed;
         }
         let known = |branch: &Closure| same(system, &branch.coordinates, &found.coordinates);
-        if found.is_closed() && branches.len() < MAX_BRANCHES && !branches.iter().any(known) {
+        if found.is_closed() && !branches.iter().any(known) {
             branches.push(found.clone());
         }
         if found.residual < best.residual {
             best = found;
+        }
+        if branches.len() >= MAX_BRANCHES {
+            break;
         }
     }
     Ok((branches, best))

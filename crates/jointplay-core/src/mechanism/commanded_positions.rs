@@ -3,9 +3,9 @@
 use nalgebra::DVector;
 
 use super::description::Mechanism;
+use super::home::close_at_rest;
 use super::kinematics::Kinematics;
 use super::motion::{LONGEST_STEP, SHORTEST_STEP, on_branch};
-use super::posing::close_commanded;
 use super::position::{DifferentialKinematics, PositionSolver};
 use super::relief::{CommandedJoints, ReliefSolver};
 use super::system::MechanismSystem;
@@ -16,7 +16,7 @@ use crate::constraint::{System as _, units};
 /// First step toward values far away, in radians and characteristic lengths.
 const FIRST_STEP: f64 = 0.1;
 /// Longest step where motions of links are undetermined, so that there is no tangent to follow.
-const STEP_WITHOUT_TANGENT: f64 = 0.05;
+pub(super) const STEP_WITHOUT_TANGENT: f64 = 0.05;
 
 /// Closes the loops of one mechanism for values of its commanded coordinates, again and again; virtual joints take their least displacement.
 ///
@@ -35,24 +35,22 @@ impl CommandedPositions {
     /// Lays out the solution for given commanded coordinates.
     ///
     /// # Arguments
-    /// * `first` – (f + M) a configuration whose loops are closed, or nearly so; determines the characteristic length (m, rad)
+    /// * `first` – (f + M) a configuration whose loops are closed, or nearly so; determines the characteristic length, except where commands leave motions undetermined (m, rad)
     /// * `commanded` – indices of the commanded joint coordinates
     ///
     /// # Errors
-    /// [`Error::PartlyCommanded`]; [`Error::TooLarge`] beyond dense algebra; those of [`close_commanded`] and [`CommandedJoints::new`].
+    /// [`Error::PartlyCommanded`]; [`Error::TooLarge`] beyond dense algebra; those of [`close_at_rest`] and [`CommandedJoints::new`].
     pub fn new(
         mechanism: &Mechanism,
         first: &DVector<f64>,
         commanded: &[usize],
     ) -> Result<Self, Error> {
         let system = MechanismSystem::new(mechanism, first.clone())?;
-        let solver = PositionSolver::new(&system, commanded)?;
-        let kinematics = DifferentialKinematics::new(&system, commanded)?;
         let undetermined = if mechanism.virtual_joints().is_empty() {
             None
         } else {
             // Where rigid links do not close, virtual joints at rest are those of the first configuration.
-            let home = match close_commanded(mechanism, &[], None) {
+            let home = match close_at_rest(mechanism, None) {
                 Ok(home) => home.coordinates,
                 Err(Error::NotAssembled(_)) => {
                     let mut home = first.clone();
@@ -65,7 +63,22 @@ impl CommandedPositions {
             let joints = CommandedJoints::new(&MechanismSystem::new(mechanism, home)?, commanded)?;
             Some(joints).filter(|joints| joints.undetermined() > 0)
         };
-        Ok(Self { solver, kinematics, length: system.characteristic_length(), undetermined })
+        let system = match &undetermined {
+            Some(joints) => system.with_characteristic_length(joints.characteristic_length())?,
+            None => system,
+        };
+        Ok(Self { undetermined, ..Self::determined(&system, commanded)? })
+    }
+
+    /// Lays out the solution for commands that determine all motions, in the metric of a system.
+    pub(super) fn determined(
+        system: &MechanismSystem<'_>,
+        commanded: &[usize],
+    ) -> Result<Self, Error> {
+        let solver = PositionSolver::new(system, commanded)?;
+        let kinematics = DifferentialKinematics::new(system, commanded)?;
+        let length = system.characteristic_length();
+        Ok(Self { solver, kinematics, length, undetermined: None })
     }
 
     /// Closes the loops; returns the residual, in radians and characteristic lengths.
@@ -105,11 +118,6 @@ impl CommandedPositions {
             }
             Some(joints) => {
                 let relief = joints.relieve(mechanism, values.iter().copied(), solver)?;
-                if self.length.to_bits() != relief.characteristic_length.to_bits() {
-                    let system = relief.system(mechanism)?;
-                    self.kinematics = DifferentialKinematics::new(&system, joints.coordinates())?;
-                    self.length = relief.characteristic_length;
-                }
                 *coordinates = relief.coordinates;
                 Ok(relief.residual)
             }

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::coupling_conflicts::determined;
-use super::posing::close_at_rest;
+use super::home::close_at_rest;
 use super::{
     DrivePath, DrivenMotion, Mechanism, MechanismSystem, SparseSystem, drive_along, drive_relieved,
 };

@@ -19,9 +19,11 @@ mod driven_motion;
 mod elementary;
 mod evidence;
 mod exaggeration;
+mod far_closing;
 mod frame_drive;
 mod frame_path;
 mod frames;
+mod home;
 pub mod joint;
 mod kinematics;
 mod limits;
@@ -35,6 +37,7 @@ mod position;
 mod principal_directions;
 mod reach;
 mod relief;
+mod relieved_branch;
 mod relieved_motion;
 mod second_order_closing;
 mod self_stress;
@@ -74,6 +77,7 @@ pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion, poses_alon
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
 pub use frame_drive::drive_frames;
 pub use frame_path::{FramePath, FrameTarget, OrientationTarget};
+pub use home::{close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
@@ -81,10 +85,7 @@ pub use link_poses::LinkPoses;
 pub use mechanism_error::MechanismError;
 pub use motion::{drive, drive_along};
 pub use nearest::nearest_closure;
-pub use posing::{
-    Posed, close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess,
-    pose_commanded, relieve_commanded,
-};
+pub use posing::{Posed, pose_commanded, relieve_commanded};
 pub use position::{
     ChangedDimension, Dexterity, DifferentialKinematics, DimensionDerivatives, Position,
     PositionSolver, dexterity,

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::home::close_at_rest;
 use super::motion::{MAX_CORRECTIONS, STEP_THRESHOLD};
-use super::posing::close_at_rest;
 use super::{Closure, CommandedJoints, MechanismSystem, ReliefSolver, close, relief, relieve};
 use crate::Error;
 use crate::constraint::{System, scaled_jacobian, units};

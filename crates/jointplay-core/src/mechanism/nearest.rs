@@ -9,11 +9,11 @@ use super::closing::close;
 use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::coupling_rows::coupling_rows;
 use super::description::Mechanism;
+use super::far_closing::{close_by_links, close_from_far, has_many_loops};
 use super::joint::Factor;
 use super::kinematics::Kinematics;
 use super::limits::{ROUND_OFF, range_scale, within_limits};
 use super::second_order_closing::{close_at_second_order, near_miss_at};
-use super::sparse::SparseSystem;
 use super::system::MechanismSystem;
 use crate::Error;
 use crate::constraint::{Dimension, System, scaled_jacobian, units};
@@ -147,6 +147,9 @@ impl<'a> Search<'a> {
             }
             let from = self.system.kinematics().moved(self.system.home(), &by);
             let closed = match self.closed_from(from.clone())? {
+                // Steps of second order take long where there are many loops.
+                None if has_many_loops(&self.system) && number > 0 => None,
+                None if has_many_loops(&self.system) => self.closed_at_second_order(from)?,
                 None => self.closed_by_links(from)?,
                 closed => closed,
             };
@@ -177,30 +180,26 @@ impl<'a> Search<'a> {
         self.displacement(self.system.home(), to).norm()
     }
 
-    /// Closes the loops; coordinates beyond their limits are put on them and held there. Where this does not close, angles beyond take another turn.
+    /// Closes the loops; coordinates beyond their limits are put on them and held there. Where this does not close, angles beyond take another turn, and a few loops are closed at second order.
     fn closed_from(&self, from: DVector<f64>) -> Result<Option<Closure>, Error> {
-        match self.closed_by(from.clone(), |_, angle| angle)? {
+        let found = match self.closed_by(from.clone(), |_, angle| angle)? {
             Attempt { closure: None, can_turn: true } => {
                 let turned = |k, angle| self.turned_within(k, angle).unwrap_or(angle);
-                let found = self.closed_by(from.clone(), turned)?.closure;
-                found.map_or_else(|| self.closed_at_second_order(from), |found| Ok(Some(found)))
+                self.closed_by(from.clone(), turned)?.closure
             }
-            Attempt { closure: None, .. } => self.closed_at_second_order(from),
-            Attempt { closure, .. } => Ok(closure),
+            Attempt { closure, .. } => closure,
+        };
+        match found {
+            None if !has_many_loops(&self.system) => self.closed_at_second_order(from),
+            found => Ok(found),
         }
     }
 
-    /// Closes the loops by moving each link, which closes many loops from farther away than moving joints does, since far links do not move with near joints.
+    /// Closes the loops by moving links.
     fn closed_by_links(&self, mut from: DVector<f64>) -> Result<Option<Closure>, Error> {
         clamp(&mut from, &self.free, &self.limits);
-        let mechanism = self.system.kinematics().mechanism();
-        let held: Vec<usize> = (0..from.len()).filter(|k| !self.free.contains(k)).collect();
-        let mut system = SparseSystem::new(mechanism, from)?;
-        match system.close(&held, MAX_ITERATIONS) {
-            Ok(_) => self.closed_from(system.coordinates().clone()),
-            Err(Error::NotReached { .. }) => Ok(None),
-            Err(error) => Err(error),
-        }
+        let found = close_by_links(&self.system, &self.free, from, MAX_ITERATIONS)?;
+        if found.is_closed() { self.closed_from(found.coordinates) } else { Ok(None) }
     }
 
     /// Closes the loops where corrections of first order miss closed configurations nearby, or end beyond limits.
@@ -229,7 +228,7 @@ impl<'a> Search<'a> {
         let mut iterations = 0;
         let mut can_turn = false;
         for _ in 0..MAX_CLAMPINGS {
-            let found = close(&self.system.moved_to(from)?, &free, MAX_ITERATIONS)?;
+            let found = close_from_far(&self.system, &free, from, MAX_ITERATIONS)?;
             iterations += found.iterations;
             if !found.is_closed() {
                 break;

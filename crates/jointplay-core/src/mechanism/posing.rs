@@ -1,30 +1,21 @@
-//! Closed configurations for commanded coordinates, with virtual joints displaced where rigid links do not close.
+//! Configurations for commanded coordinates, with virtual joints displaced where rigid links do not close.
 
-use nalgebra::DVector;
-
-use super::assembly::{assemble, assemble_within, guess};
 use super::closure::Closure;
-use super::coupling_conflicts::contradicted;
 use super::description::Mechanism;
-use super::nearest::nearest_closure;
-use super::relief::{CommandedJoints, Relief, ReliefSolver, relieve};
-use super::second_order_closing::near_miss_at;
-use super::sparse::SparseSystem;
+use super::home::{actuators_at_guess, close, close_at_rest, close_commanded, relieve_from};
+use super::relief::Relief;
+use super::relieved_branch::RelievedBranch;
 use super::system::MechanismSystem;
-use super::unassembled::{NEARLY_CLOSED, Unassembled};
+use super::unassembled::Unassembled;
 use crate::Error;
 use crate::constraint::{System as _, units};
 
-/// Number of other starts, if the guess does not close.
-const STARTS: usize = 30;
-/// Actuators that move by more than this multiple of the root of the mismatch at their guesses lead to another configuration: near a singular one, a closure is as far as that root.
-const FAR: f64 = 4.0;
-/// Longest and shortest step to a command, and the farthest command that is reached in steps, in radians and characteristic lengths.
-const LONGEST_STEP: f64 = 0.5;
-const SHORTEST_STEP: f64 = 0.03;
+/// The farthest command that is reached in steps, in radians and characteristic lengths.
 const FARTHEST: f64 = 20.0;
-/// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
-const CORRECTIONS: usize = 200;
+/// Displacements of joint coordinates that are farther apart are on different branches, in radians and characteristic lengths.
+const NEAR: f64 = 0.5;
+/// Sizes of displacements that differ by less are equal.
+const ROUND_OFF: f64 = 1e-9;
 
 /// A closed configuration, with the displacement of the virtual joints if it needs one.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,207 +24,6 @@ pub struct Posed {
     pub closed: Closure,
     /// The least displacement, where rigid links do not close.
     pub relief: Option<Relief>,
-}
-
-/// The user's guess with commanded coordinates at their values.
-///
-/// # Arguments
-/// * `commands` – indices of joint coordinates with their values (m, rad)
-#[must_use]
-pub fn commanded_guess(mechanism: &Mechanism, commands: &[(usize, f64)]) -> DVector<f64> {
-    let mut start = guess(mechanism);
-    commands.iter().for_each(|&(k, value)| start[k] = value);
-    start
-}
-
-/// The closed configuration nearest to the guess, with commanded coordinates held and virtual joints at rest.
-///
-/// Where corrections from the guess do not close the loops, it is the one that [`Unassembled::accepted`] chooses; where they end beyond limits, it is the nearest found within, if any: with commands on the same branch only.
-///
-/// # Arguments
-/// * `commands` – indices of joint coordinates with their values (m, rad)
-/// * `tolerance` – largest mismatch that counts as closed, in radians and characteristic lengths; `None` for loops that close exactly
-///
-/// # Errors
-/// [`Error::NotAssembled`]; [`Error::NotReached`] for a mechanism that is too large for dense algebra.
-pub fn close_commanded(
-    mechanism: &Mechanism,
-    commands: &[(usize, f64)],
-    tolerance: Option<f64>,
-) -> Result<Closure, Error> {
-    let accepted = |found: &Unassembled, tolerance: Option<f64>| found.accepted(tolerance).cloned();
-    let closed = close(mechanism, commands, tolerance, accepted)?;
-    let is_held = |k: usize| commands.iter().any(|&(held, _)| held == k);
-    let beyond = mechanism.beyond_limits(&closed.coordinates);
-    let is_within = beyond.iter().all(|one| is_held(one.coordinate));
-    if is_within || closed.is_searched || !closed.is_closed() || !MechanismSystem::fits(mechanism) {
-        return Ok(closed);
-    }
-    let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-    let starts = if commands.is_empty() { STARTS } else { 0 };
-    let guess = commanded_guess(mechanism, commands);
-    Ok(nearest_closure(mechanism, &guess, &held, starts)?.unwrap_or(closed))
-}
-
-/// The configuration that displacements of virtual joints are counted from: closed, or with loops that the virtual joints close.
-///
-/// Rigid loops of measured dimensions do not close, or only far from the guess: then it is the one of least displacement with the actuators at their guesses, with the virtual joints back at rest, so that the loops miss there by the play that they need.
-///
-/// # Arguments
-/// * `tolerance` – as for [`close_commanded`]
-///
-/// # Errors
-/// Those of [`close_commanded`].
-pub fn close_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Closure, Error> {
-    let closed = close_commanded(mechanism, &[], tolerance);
-    if mechanism.virtual_joints().is_empty() {
-        return closed;
-    }
-    match closed {
-        Err(Error::NotAssembled(found)) => {
-            at_rest_by_play(mechanism).map_err(|_| Error::NotAssembled(found))
-        }
-        Ok(home) if is_beyond_near_miss(mechanism, &home)? => {
-            at_rest_by_play(mechanism).or(Ok(home))
-        }
-        closed => closed,
-    }
-}
-
-/// Whether rigid links nearly close with the actuators at their guesses, and close exactly only far from there: a correction follows a motion that nearly closes as far as it has to.
-fn is_beyond_near_miss(mechanism: &Mechanism, home: &Closure) -> Result<bool, Error> {
-    if !MechanismSystem::fits(mechanism) {
-        return Ok(false);
-    }
-    let Some(near) = near_at_guess(mechanism)?.filter(|near| !near.is_closed()) else {
-        return Ok(false);
-    };
-    let system = MechanismSystem::new(mechanism, guess(mechanism))?;
-    let units = units(system.kinematics().dimensions(), system.characteristic_length());
-    let by = system.kinematics().displacement(system.home(), &home.coordinates);
-    let actuated = mechanism.actuated_coordinates().into_iter();
-    let moved = actuated.map(|k| (by[k] / units[k]).abs()).fold(0.0, f64::max);
-    Ok(moved > FAR * near.residual.sqrt())
-}
-
-/// The configuration of the rigid links from which virtual joints are suggested: closed, or where measured dimensions miss a closure by little.
-///
-/// With virtual joints, which a search replaces, it is that of [`close_at_rest`]; without them, the one of least mismatch with the actuators at their guesses, also where a displacement of the actuators closes the loops exactly.
-/// The suggested virtual joints then close the loops too.
-///
-/// # Errors
-/// Those of [`close_at_rest`], where the loops miss by more than a rounding of the dimensions.
-pub fn close_nearly(mechanism: &Mechanism) -> Result<Closure, Error> {
-    let home = match close_at_rest(mechanism, None) {
-        Ok(home) if home.is_searched && is_near_miss(mechanism)? => {
-            near_at_guess(mechanism)?.unwrap_or(home)
-        }
-        Err(Error::NotAssembled(found)) => match (found.near_miss(), near_at_guess(mechanism)?) {
-            (Some(_), Some(near)) => near,
-            (Some(near), None) => near.clone(),
-            (None, _) => return Err(Error::NotAssembled(found)),
-        },
-        home => home?,
-    };
-    let coordinates = home.coordinates.rows(0, mechanism.joint_freedoms()).into_owned();
-    Ok(Closure { coordinates, ..home })
-}
-
-/// Whether the guess is next to a near miss that does not close.
-fn is_near_miss(mechanism: &Mechanism) -> Result<bool, Error> {
-    let system = MechanismSystem::new(mechanism, guess(mechanism))?;
-    let joints: Vec<usize> = (0..mechanism.joint_freedoms()).collect();
-    let near = near_miss_at(&system, &joints)?;
-    Ok(!near.is_closed() && near.residual <= NEARLY_CLOSED)
-}
-
-/// The actuated coordinates with their guesses (m, rad).
-fn actuators_at_guess(mechanism: &Mechanism) -> Vec<(usize, f64)> {
-    let start = guess(mechanism);
-    mechanism.actuated_coordinates().into_iter().map(|k| (k, start[k])).collect()
-}
-
-/// The near miss with the actuators at their guesses, if there is one: without them held, a least mismatch may be far along a motion that nearly closes.
-fn near_at_guess(mechanism: &Mechanism) -> Result<Option<Closure>, Error> {
-    let actuated = mechanism.actuated_coordinates();
-    match assemble(mechanism, &guess(mechanism), &actuated, 0) {
-        Err(Error::NotAssembled(found)) => Ok(found.near_miss().cloned()),
-        closed => closed.map(Some),
-    }
-}
-
-/// The configuration of least displacement with the actuators at their guesses, with the virtual joints back at rest.
-fn at_rest_by_play(mechanism: &Mechanism) -> Result<Closure, Error> {
-    let Relief { mut coordinates, iterations, .. } = relief_at_guess(mechanism)?;
-    coordinates.rows_range_mut(mechanism.joint_freedoms()..).fill(0.0);
-    let system = MechanismSystem::new(mechanism, coordinates.clone())?;
-    let residual = system.mismatch(&system.at_home());
-    Ok(Closure { coordinates, residual, iterations, is_searched: false })
-}
-
-/// The least displacement of the virtual joints that closes the loops with the actuators at their guesses.
-fn relief_at_guess(mechanism: &Mechanism) -> Result<Relief, Error> {
-    let (residual, iterations) = (f64::INFINITY, 0);
-    let coordinates = guess(mechanism);
-    let open = Closure { coordinates, residual, iterations, is_searched: false };
-    relieve_from(mechanism, &open, &actuators_at_guess(mechanism))
-}
-
-/// The closed configuration from the guess, or one that is accepted in its place.
-fn close(
-    mechanism: &Mechanism,
-    commands: &[(usize, f64)],
-    tolerance: Option<f64>,
-    accepted: impl Fn(&Unassembled, Option<f64>) -> Option<Closure>,
-) -> Result<Closure, Error> {
-    // Closures within a tolerance need dense algebra, which refuses mechanisms that are too large.
-    if !MechanismSystem::fits(mechanism) && tolerance.is_none() {
-        let (system, iterations) = close_sparse(mechanism, commands)?;
-        return Ok(system.closure(iterations));
-    }
-    let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-    match assemble_within(
-        mechanism,
-        &commanded_guess(mechanism, commands),
-        &held,
-        STARTS,
-        tolerance,
-    ) {
-        Err(Error::NotAssembled(found)) => match accepted(&found, tolerance) {
-            Some(closure) => Ok(closure),
-            None => Err(Error::NotAssembled(found)),
-        },
-        found => found,
-    }
-}
-
-/// The closed configuration nearest to the guess by sparse algebra, and the number of corrections.
-///
-/// # Arguments
-/// * `commands` – indices of joint coordinates with their values (m, rad)
-///
-/// # Errors
-/// [`Error::NotReached`]; [`Error::NotRelieved`] with the couplings that the commands contradict.
-pub fn close_sparse<'a>(
-    mechanism: &'a Mechanism,
-    commands: &[(usize, f64)],
-) -> Result<(SparseSystem<'a>, usize), Error> {
-    let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-    let mut system = SparseSystem::new(mechanism, commanded_guess(mechanism, commands))?;
-    match system.close(&held, CORRECTIONS) {
-        Ok(iterations) => Ok((system, iterations)),
-        Err(Error::NotReached { residual, allowed, iterations }) => {
-            let start = commanded_guess(mechanism, commands);
-            let length = system.characteristic_length();
-            let couplings = contradicted(system.kinematics(), length, &start, &held)?;
-            Err(if couplings.is_empty() {
-                Error::NotReached { residual, allowed, iterations }
-            } else {
-                Error::NotRelieved { residual, allowed, couplings }
-            })
-        }
-        Err(error) => Err(error),
-    }
 }
 
 /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
@@ -248,31 +38,49 @@ pub fn pose_commanded(
     commands: &[(usize, f64)],
     tolerance: Option<f64>,
 ) -> Result<Posed, Error> {
-    let is_relieved = !mechanism.virtual_joints().is_empty() && !commands.is_empty();
+    if mechanism.virtual_joints().is_empty() || !MechanismSystem::fits(mechanism) {
+        let closed = close_commanded(mechanism, commands, tolerance)?;
+        return Ok(Posed { closed, relief: None });
+    }
+    if commands.is_empty() {
+        return pose_at_rest(mechanism, tolerance);
+    }
     // Play near the guess, rather than another configuration far from it.
     let near = |found: &Unassembled, tolerance: Option<f64>| found.within(tolerance?).cloned();
-    let closed = match is_relieved {
-        true => close(mechanism, commands, tolerance, near),
-        false => close_commanded(mechanism, commands, tolerance),
-    };
-    match closed {
-        Err(Error::NotAssembled(found)) if !mechanism.virtual_joints().is_empty() => {
-            let (relief, is_searched) = if is_relieved {
-                let home = close_at_rest(mechanism, tolerance)?;
-                (relieve_near(mechanism, &home, commands)?, home.is_searched)
-            } else {
-                let relief = relief_at_guess(mechanism);
-                (relief.map_err(|_| Error::NotAssembled(found))?, false)
-            };
-            let closed = Closure {
-                coordinates: relief.coordinates.clone(),
-                residual: relief.residual,
-                iterations: relief.iterations,
-                is_searched,
-            };
-            Ok(Posed { closed, relief: Some(relief) })
+    match close(mechanism, commands, tolerance, near) {
+        Err(Error::NotAssembled(_)) => {
+            let home = close_at_rest(mechanism, tolerance)?;
+            Ok(Posed::relieved(relieve_near(mechanism, &home, commands)?, home.is_searched))
         }
         closed => Ok(Posed { closed: closed?, relief: None }),
+    }
+}
+
+/// The configuration that displacements are counted from, with the virtual joints displaced with the actuators at their guesses if rigid links do not close there.
+fn pose_at_rest(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<Posed, Error> {
+    let home = close_at_rest(mechanism, tolerance)?;
+    if home.is_closed() || tolerance.is_some_and(|tolerance| home.residual <= tolerance) {
+        return Ok(Posed { closed: home, relief: None });
+    }
+    match relieve_near(mechanism, &home, &actuators_at_guess(mechanism)) {
+        Ok(relief) => Ok(Posed::relieved(relief, false)),
+        // Play does not close the near miss.
+        Err(_) => {
+            let closed = close_commanded(mechanism, &[], tolerance)?;
+            Ok(Posed { closed, relief: None })
+        }
+    }
+}
+
+impl Posed {
+    fn relieved(relief: Relief, is_searched: bool) -> Self {
+        let closed = Closure {
+            coordinates: relief.coordinates.clone(),
+            residual: relief.residual,
+            iterations: relief.iterations,
+            is_searched,
+        };
+        Self { closed, relief: Some(relief) }
     }
 }
 
@@ -282,7 +90,7 @@ pub fn pose_commanded(
 /// As [`close_commanded`].
 ///
 /// # Errors
-/// Those of [`close_at_rest`], of [`CommandedJoints::new`] and of [`relieve`].
+/// Those of [`close_at_rest`], of [`super::CommandedJoints::new`] and of [`super::relieve`].
 pub fn relieve_commanded(
     mechanism: &Mechanism,
     commands: &[(usize, f64)],
@@ -291,7 +99,7 @@ pub fn relieve_commanded(
     relieve_near(mechanism, &close_at_rest(mechanism, tolerance)?, commands)
 }
 
-/// The relief from a closed configuration without commands, in steps that are so short that each is on the branch of the one before; where there is none, the relief from the closed configuration itself.
+/// The relief for commands, on the branch of a configuration without commands; the least of several displacements that are least nearby, which rigid links that do not close have.
 fn relieve_near(
     mechanism: &Mechanism,
     home: &Closure,
@@ -301,51 +109,19 @@ fn relieve_near(
     let units = units(system.kinematics().dimensions(), system.characteristic_length());
     let by = |&(k, to): &(usize, f64)| ((to - home.coordinates[k]) / units[k]).abs();
     let distance = commands.iter().map(by).fold(0.0, f64::max);
-    let mut step = (LONGEST_STEP / distance).min(1.0);
-    let (mut here, mut done) = (home.clone(), 0.0);
-    while step * distance >= SHORTEST_STEP && distance <= FARTHEST {
-        let share = 1.0_f64.min(done + step);
-        let toward = |&(k, to): &(usize, f64)| match share {
-            1.0 => (k, to),
-            _ => (k, home.coordinates[k] + share * (to - home.coordinates[k])),
-        };
-        let part: Vec<(usize, f64)> = commands.iter().map(toward).collect();
-        match relieve_from(mechanism, &here, &part) {
-            Ok(relief) if share < 1.0 => (here.coordinates, done) = (relief.coordinates, share),
-            Err(_) => step *= 0.5,
-            reached => return reached,
-        }
+    let at_once = relieve_from(mechanism, home, commands);
+    if distance > FARTHEST {
+        return at_once;
     }
-    relieve_from(mechanism, home, commands)
-}
-
-/// The relief from one configuration.
-fn relieve_from(
-    mechanism: &Mechanism,
-    home: &Closure,
-    commands: &[(usize, f64)],
-) -> Result<Relief, Error> {
-    let home = home.coordinates.clone();
     let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
-    let commanded = CommandedJoints::new(&MechanismSystem::new(mechanism, home)?, &coordinates)?;
-    commanded.relieve(mechanism, values, ReliefSolver::LeastNorm)
-}
-
-impl CommandedJoints {
-    /// The displacement of the virtual joints for values of the commanded coordinates, from home.
-    ///
-    /// # Arguments
-    /// * `values` – of the commanded coordinates (m, rad)
-    ///
-    /// # Errors
-    /// Those of [`relieve`].
-    pub fn relieve(
-        &self,
-        mechanism: &Mechanism,
-        values: impl IntoIterator<Item = f64>,
-        solver: ReliefSolver,
-    ) -> Result<Relief, Error> {
-        let start = self.start(values, mechanism.virtual_joints().len());
-        relieve(&MechanismSystem::new(mechanism, start)?, self, solver)
+    let mut branch = RelievedBranch::new(&system, &system, &coordinates)?;
+    let Ok(first) = branch.first() else { return at_once };
+    let Some(followed) = branch.follow(&first.coordinates, &values)? else { return at_once };
+    let is_near =
+        |other: &Relief| branch.distance(&followed.coordinates, &other.coordinates) < NEAR;
+    let is_less = |other: &Relief| other.size < followed.size * (1.0 - ROUND_OFF);
+    match at_once {
+        Ok(other) if is_less(&other) && is_near(&other) => Ok(other),
+        _ => Ok(followed),
     }
 }

@@ -56,6 +56,20 @@ pub struct Relief {
 }
 
 impl Relief {
+    /// The displacements of the virtual joints at the home of a system.
+    pub(super) fn of(system: &MechanismSystem<'_>, residual: f64, iterations: usize) -> Self {
+        let virtual_joints = system.at_home().virtual_joints;
+        let size = virtual_joints.component_mul(&virtual_weights(system).map(f64::sqrt)).norm();
+        Self {
+            coordinates: system.home().clone(),
+            virtual_joints,
+            size,
+            characteristic_length: system.characteristic_length(),
+            residual,
+            iterations,
+        }
+    }
+
     /// The mechanism at the displaced configuration, with the characteristic length of the metric.
     ///
     /// # Errors
@@ -107,6 +121,8 @@ pub struct CommandedJoints {
     is_open: bool,
     /// Coordinates that move least before all others do.
     least: Vec<usize>,
+    /// Characteristic length of the metric (m).
+    length: f64,
 }
 
 impl CommandedJoints {
@@ -125,9 +141,9 @@ impl CommandedJoints {
         let here = held.here();
         let there = ForcedClosure::new(&held, &here);
         let undetermined = finite_mobility(&there, &here, STEP_THRESHOLD)?.lower_bound;
-        let is_open = !home.is_closed();
+        let (is_open, length) = (!home.is_closed(), home.characteristic_length());
         let (home, coordinates) = (home.home().rows(0, joints).into_owned(), coordinates.to_vec());
-        Ok(Self { home, coordinates, undetermined, is_open, least: Vec::new() })
+        Ok(Self { home, coordinates, undetermined, is_open, least: Vec::new(), length })
     }
 
     /// The same commands with coordinates that stay nearest home before all others do, such as those of motors.
@@ -146,6 +162,29 @@ impl CommandedJoints {
     #[must_use]
     pub fn undetermined(&self) -> usize {
         self.undetermined
+    }
+
+    /// Characteristic length of the metric, that of home (m).
+    #[must_use]
+    pub fn characteristic_length(&self) -> f64 {
+        self.length
+    }
+
+    /// A mechanism where [`relieve`] starts, with the characteristic length of home.
+    ///
+    /// # Arguments
+    /// * `mechanism` – with any virtual joints
+    /// * `values` – of the commanded coordinates (m, rad)
+    ///
+    /// # Errors
+    /// Those of [`MechanismSystem::new`].
+    pub fn system<'m>(
+        &self,
+        mechanism: &'m Mechanism,
+        values: impl IntoIterator<Item = f64>,
+    ) -> Result<MechanismSystem<'m>, Error> {
+        let start = self.start(values, mechanism.virtual_joints().len());
+        MechanismSystem::new(mechanism, start)?.with_characteristic_length(self.length)
     }
 
     /// Home with the commanded coordinates at other values and all virtual joints at rest: where [`relieve`] starts.
@@ -183,6 +222,7 @@ fn passive(joints: usize, commanded: &[usize]) -> Vec<usize> {
 /// Rigid links that do not close have several displacements that are least nearby.
 /// From an open home, the iteration starts where the passive joints close the loops best with the virtual joints at rest, so that the displacement does not depend on where home is along a motion that nearly closes.
 /// Undetermined motions of the passive joints are excluded from this elimination, and bring the joints as near home as closed loops allow.
+/// The characteristic length of the metric is that of the start: that of home in [`CommandedJoints::system`].
 /// Joint limits are not checked: see [`super::Mechanism::beyond_limits`].
 pub fn relieve(
     start: &MechanismSystem<'_>,
@@ -253,8 +293,7 @@ fn relieved_from(
             roots,
         } = reduced(&here, commanded)?;
         let y = here.at_home().virtual_joints.component_mul(&roots);
-        let decomposition = svd(&relieving)?;
-        let relieving_rank = decomposition.rank(RELIEF_THRESHOLD);
+        let (decomposition, relieving_rank) = decomposed(&relieving, &j_x)?;
         let mut step = match solver {
             ReliefSolver::LeastNorm => {
                 decomposition.solve(&(&relieving * &y - &open * &residual), relieving_rank) - &y
@@ -300,18 +339,8 @@ fn relieved_from(
             break;
         }
     }
-    let virtual_joints = here.at_home().virtual_joints;
-    let size = virtual_joints.component_mul(&virtual_weights(start).map(f64::sqrt)).norm();
     let residual = if reached.is_nan() { f64::INFINITY } else { reached };
-    let coordinates = here.home().clone();
-    Ok(Relief {
-        coordinates,
-        virtual_joints,
-        size,
-        characteristic_length: length,
-        residual,
-        iterations,
-    })
+    Ok(Relief::of(&here, residual, iterations))
 }
 
 /// Relaxation of the steps toward home of the undetermined motions.
@@ -394,8 +423,7 @@ pub(super) fn rates(
     let of_commanded = columns.select_rows(&commanded.coordinates);
     let jacobian = here.full_jacobian(&here.at_home()).select_columns(&commanded.coordinates);
     let pull = scaled_jacobian(&jacobian, &rows, &of_commanded);
-    let decomposition = svd(&relieving)?;
-    let relieving_rank = decomposition.rank(RELIEF_THRESHOLD);
+    let (decomposition, relieving_rank) = decomposed(&relieving, &j_x)?;
     let mut rates = DMatrix::zeros(here.home().len(), commanded.coordinates.len());
     for (column, &k) in commanded.coordinates.iter().enumerate() {
         rates[(k, column)] = 1.0;
@@ -425,6 +453,15 @@ pub(super) struct Reduced {
     of_passive: DVector<f64>,
     /// (M) y = root · x is in the metric.
     pub(super) roots: DVector<f64>,
+}
+
+/// The effect of the virtual joints that passive joints leave, and its rank: below a share of the whole effect it is round-off, also where nothing else is left.
+fn decomposed(relieving: &DMatrix<f64>, whole: &DMatrix<f64>) -> Result<(Svd, usize), Error> {
+    let decomposition = svd(relieving)?;
+    let longest = whole.column_iter().map(|column| column.norm()).fold(0.0, f64::max);
+    let least = RELIEF_THRESHOLD * decomposition.largest().max(longest);
+    let rank = decomposition.singular_values.iter().filter(|&&value| value > least).count();
+    Ok((decomposition, rank))
 }
 
 pub(super) fn reduced(

@@ -1,12 +1,8 @@
 //! Driving joints along a path with displaced virtual joints.
 
-use nalgebra::DVector;
-
 use super::motion::{DriveProblem, STEP_THRESHOLD};
-use super::{
-    Closure, CommandedJoints, DrivePath, DrivenMotion, MechanismSystem, PositionSolver,
-    ReliefSolver, Stop, relieve,
-};
+use super::relieved_branch::RelievedBranch;
+use super::{Closure, DrivePath, DrivenMotion, MechanismSystem, Relief, Stop};
 use crate::Error;
 use crate::constraint::System;
 
@@ -20,11 +16,11 @@ use crate::constraint::System;
 /// * `progress` – called with the number of steps done after each
 ///
 /// # Errors
-/// [`Error::NotRelieved`] or [`Error::NotLeast`] if not even the start can be relieved; those of [`CommandedJoints::new`].
+/// [`Error::NotRelieved`] or [`Error::NotLeast`] if not even the start can be relieved; those of [`super::CommandedJoints::new`].
 /// A motion that stops is not an error: see [`DrivenMotion::stopped`].
 ///
 /// # Numerics
-/// Each waypoint is the least displacement near the one before, by [`PositionSolver`]; by [`super::relieve`] from rest where that does not converge, or where drives leave joints undetermined.
+/// Each waypoint is the least displacement on the branch of the one before, by [`super::CommandedPositions::follow`]; by [`super::relieve`] in short steps where that ends, or where drives leave joints undetermined.
 /// Singular configurations are not looked for.
 pub fn drive_relieved(
     home: &MechanismSystem<'_>,
@@ -37,25 +33,14 @@ pub fn drive_relieved(
     let run = DriveProblem::new(start, path, free);
     let joints = start.coordinate_dimensions().len();
     let commanded: Vec<usize> = (0..joints).filter(|k| !free.contains(k)).collect();
-    let commanded = CommandedJoints::new(home, &commanded)?;
-    let mut solver = match PositionSolver::new(start, commanded.coordinates()) {
-        Ok(solver) => (commanded.undetermined() == 0).then_some(solver),
-        Err(Error::PartlyCommanded { .. }) => None,
-        Err(other) => return Err(other),
-    };
-    let at_rest = |values: &DVector<f64>| {
-        let mut at_rest = values.clone();
-        at_rest.rows_mut(joints, values.len() - joints).fill(0.0);
-        start.with_home(at_rest)
-    };
-    let first = relieve(&at_rest(start.home())?, &commanded, ReliefSolver::LeastNorm)?;
-    let closed = |coordinates: DVector<f64>, residual: f64, iterations: usize| Closure {
-        coordinates,
-        residual,
-        iterations,
+    let mut branch = RelievedBranch::new(home, start, &commanded)?;
+    let closed = |found: Relief| Closure {
+        coordinates: found.coordinates,
+        residual: found.residual,
+        iterations: found.iterations,
         is_searched: false,
     };
-    let mut here = closed(first.coordinates, first.residual, first.iterations);
+    let mut here = closed(branch.first()?);
     let decomposition = run.decomposed(&here.coordinates)?;
     let regular_rank = decomposition.rank(STEP_THRESHOLD);
     let mut motion = DrivenMotion {
@@ -72,21 +57,12 @@ pub fn drive_relieved(
         for (k, value) in path.values_at(share) {
             to[k] = value;
         }
-        let mut position = to.clone();
-        let solved = solver
-            .as_mut()
-            .and_then(|solver| solver.solve(position.as_mut_slice(), ReliefSolver::LeastNorm).ok());
-        here = match solved {
-            Some(found) => closed(position, found.residual, found.iterations),
-            None => match relieve(&at_rest(&to)?, &commanded, ReliefSolver::LeastNorm) {
-                Ok(found) => closed(found.coordinates, found.residual, found.iterations),
-                Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => {
-                    motion.stopped = Some(Stop::Incompatible);
-                    break;
-                }
-                Err(other) => return Err(other),
-            },
+        let values: Vec<f64> = commanded.iter().map(|&k| to[k]).collect();
+        let Some(found) = branch.follow(&here.coordinates, &values)? else {
+            motion.stopped = Some(Stop::Incompatible);
+            break;
         };
+        here = closed(found);
         let decomposition = run.decomposed(&here.coordinates)?;
         motion.waypoints.push(run.waypoint(share, here.clone(), &decomposition, regular_rank));
         progress(k);

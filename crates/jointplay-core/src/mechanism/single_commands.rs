@@ -69,7 +69,7 @@ pub fn single_commands(
     let commanded = CommandedJoints::new(&at_home, &coordinates)?;
     let needed = |k: usize, by: f64| {
         let values = coordinates.iter().map(|&j| home[j] + if j == k { by } else { 0.0 });
-        let system = MechanismSystem::new(mechanism, commanded.start(values, count))?;
+        let system = commanded.system(mechanism, values)?;
         match relieve(&system, &commanded, ReliefSolver::LeastNorm) {
             Ok(found) => Ok(Some(size_in_metric(&system, &found.virtual_joints))),
             Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => Ok(None),

@@ -198,8 +198,9 @@ pub fn suggest(
         // Principal directions are at rest.
         let here = relief.coordinates.resize_vertically(f + all.len(), 0.0);
         let y = relief.virtual_joints.resize_vertically(all.len(), 0.0);
-        let Reduced { relieving, roots, .. } =
-            reduced(&MechanismSystem::new(&with_all, here)?, &commanded)?;
+        let here = MechanismSystem::new(&with_all, here)?
+            .with_characteristic_length(commanded.characteristic_length())?;
+        let Reduced { relieving, roots, .. } = reduced(&here, &commanded)?;
         needs.push(Need { open: &relieving * y.component_mul(&roots), relieving });
     }
     let compatible = compatible(&at_home, &candidates, &links);
@@ -355,12 +356,7 @@ fn relieved(
     candidates: &[Candidate],
 ) -> Result<Relief, Error> {
     let all: Vec<VirtualJoint> = candidates.iter().map(|one| one.joint.clone()).collect();
-    let start = commanded.start(command.iter().copied(), all.len());
-    relieve(
-        &MechanismSystem::new(&with(mechanism, &all), start)?,
-        commanded,
-        ReliefSolver::LeastNorm,
-    )
+    commanded.relieve(&with(mechanism, &all), command.iter().copied(), ReliefSolver::LeastNorm)
 }
 
 /// Displacements of a set over all commands, if it makes all of them possible.
@@ -379,8 +375,7 @@ fn tried(
     let mut largest = vec![0.0_f64; chosen.len()];
     let mut configurations = Vec::with_capacity(commands.len());
     for command in commands {
-        let start = commanded.start(command.iter().copied(), chosen.len());
-        let system = MechanismSystem::new(&relieved, start)?;
+        let system = commanded.system(&relieved, command.iter().copied())?;
         let relief = match relieve(&system, commanded, ReliefSolver::LeastNorm) {
             Ok(relief) => relief,
             Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => return Ok(None),

@@ -184,7 +184,7 @@ impl Elimination {
                 }
             }
         }
-        factor_symmetric(gram, open);
+        factor_symmetric(gram, open, DEPENDENT * largest);
     }
 
     /// Reflects the passive columns to a triangle, short ones last, and the virtual ones along; returns their rank.
@@ -316,9 +316,12 @@ pub(super) fn reflect(vector: &mut [f64], mirror: &[f64], scale: f64) {
 
 /// Factors G = L D Lᵀ of a matrix with no negative direction in place; equations that depend on those before them get a zero in D.
 ///
-/// `gram` holds the lower triangle by rows.
-pub(super) fn factor_symmetric(gram: &mut [f64], n: usize) {
+/// # Arguments
+/// * `gram` – holds the lower triangle by rows
+/// * `round_off` – length of a column that is round-off of those of which the matrix is the product
+pub(super) fn factor_symmetric(gram: &mut [f64], n: usize, round_off: f64) {
     let largest = (0..n).map(|k| gram[k * n + k]).fold(0.0, f64::max);
+    let least = (DEPENDENT_SQUARED * largest).max(round_off * round_off);
     for i in 0..n {
         for j in 0..=i {
             let mut sum = gram[i * n + j];
@@ -327,7 +330,7 @@ pub(super) fn factor_symmetric(gram: &mut [f64], n: usize) {
             }
             let pivot = gram[j * n + j];
             gram[i * n + j] = if i == j {
-                if sum > DEPENDENT_SQUARED * largest { sum } else { 0.0 }
+                if sum > least { sum } else { 0.0 }
             } else if pivot > 0.0 {
                 sum / pivot
             } else {

@@ -51,7 +51,7 @@ impl DifferentialKinematics {
             }
         }
         // Symmetric but for round-off; the factor takes the lower triangle.
-        factor_symmetric(&mut self.curvature[..free * free], free);
+        factor_symmetric(&mut self.curvature[..free * free], free, 0.0);
         let pivots = (0..free).map(|k| self.curvature[k * free + k]);
         let largest = pivots.clone().fold(0.0, f64::max);
         self.state.undetermined = pivots.filter(|&pivot| pivot <= FLAT * largest).count();

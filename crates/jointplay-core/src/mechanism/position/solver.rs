@@ -8,7 +8,7 @@ use super::opening::{Closing, Meeting, TreeEdge, moved_by};
 use super::unknown::{Ball, CoupledRow, Unknown};
 use super::walk::{Part, Screw, Turned, Walk};
 use crate::Error;
-use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
+use crate::constraint::{CLOSURE_TOLERANCE, System};
 use crate::mechanism::coupling_rows::coupling_rows;
 use crate::mechanism::joint::Factor;
 use crate::mechanism::kinematics::Element;
@@ -18,7 +18,7 @@ use crate::spatial::Pose;
 
 /// Scaled residual at which the iteration ends; the next step would only move round-off.
 pub(super) const ROUND_OFF: f64 = 1e-13;
-/// Changes of the virtual joints below this, in characteristic lengths, are the end of the search for the least…
+/// Changes of the virtual joints below this, in units of their metric, are the end of the search for the least…
 const SETTLED: f64 = 1e-13;
 /// …and so are those below this that no longer shrink: round-off.
 const SETTLING: f64 = 1e-9;
@@ -165,15 +165,18 @@ impl PositionSolver {
             };
             cuts.iter().any(of_cut)
         };
+        // A unit of the metric moves no virtual joint by more than a radian or characteristic length, whatever the scale of the mechanism.
         let weights = virtual_weights(system);
+        let natural = |k: usize| dimensions[k].unit(length);
+        let of_metric = weights.iter().enumerate();
+        let of_metric = of_metric.map(|(m, weight)| weight.sqrt() * natural(joint_freedoms + m));
+        let metric_unit = of_metric.fold(f64::INFINITY, f64::min);
         let unknowns: Vec<Unknown> = (0..dimensions.len())
             .filter(|&k| free(k) && !follows(k))
             .map(|k| {
-                let unit = match (k.checked_sub(joint_freedoms), dimensions[k]) {
-                    (Some(m), _) => weights[m].sqrt().recip(),
-                    (None, Dimension::Angle) => 1.0,
-                    (None, Dimension::Length | Dimension::SquaredLength) => length,
-                };
+                let unit = k
+                    .checked_sub(joint_freedoms)
+                    .map_or_else(|| natural(k), |m| metric_unit / weights[m].sqrt());
                 Unknown { coordinate: k, unit }
             })
             .collect();
@@ -375,7 +378,7 @@ impl PositionSolver {
             }
             iterations += 1;
             before = residual;
-            let moved = self.step(coordinates, solver) / self.length;
+            let moved = self.step(coordinates, solver);
             settled = !least_norm
                 || moved <= SETTLED
                 || (moved <= SETTLING && moved > 0.5 * moved_before);

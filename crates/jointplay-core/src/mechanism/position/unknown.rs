@@ -32,6 +32,6 @@ impl Ball {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Unknown {
     pub(super) coordinate: usize,
-    /// One unit of it: radians, characteristic lengths, or the metric of virtual joints.
+    /// One unit of it: a radian or a characteristic length, or for a virtual joint a unit of the metric that is no longer than these.
     pub(super) unit: f64,
 }
