@@ -10,8 +10,10 @@ import json
 import multiprocessing
 import os
 import pickle
+import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -19,7 +21,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import duckdb
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.fs
 import pyarrow.parquet as pq
 import pytest
@@ -296,3 +300,94 @@ def worker_killed(text: str, folder: Path) -> bool:
         assert pids[0] not in client.run(os.getpid).values()
     assert gathered(parts, folder) == whole(text)[:2]
     return True
+
+@pytest.mark.skipif(os.name == "nt", reason="processes of Windows have no SIGKILL")
+@pytest.mark.filterwarnings("default")
+def test_a_study_killed_on_dask_and_resumed_as_an_array_is_one_process(tmp_path):
+    until_disturbed(killed_resumed_and_gathered, tmp_path)
+
+
+def killed_resumed_and_gathered(text: str, folder: Path) -> bool:
+    """Starts a study on Dask, kills all of it, resumes it as the tasks of an array job, and gathers a copy elsewhere; false if all work ended before."""
+    run, study = folder / "run", folder / "study.toml"
+    run.mkdir(parents=True)
+    study.write_text(text)
+    program = folder / "on_dask.py"
+    program.write_text(ON_DASK)
+    # The scheduler, the client and the workers are one group of processes.
+    engine = subprocess.Popen([sys.executable, program, study, run, folder], start_new_session=True)
+    parts = jp.study.Plan.from_toml(text).parts(run)
+    try:
+        while parts.status()["done"] < 2 and engine.poll() is None:
+            time.sleep(0.01)
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(engine.pid, signal.SIGKILL)
+        engine.wait()
+    found = {path.name: path.stat().st_mtime_ns for path in run.glob("part-*.json")}
+    if not parts.missing():
+        return False
+    assert found, "Dask ended without a part"
+
+    # As `sbatch --array=0-3 --wrap 'jointplay study … --part $SLURM_ARRAY_TASK_ID/4'` starts them, each by itself.
+    command = os.environ["JOINTPLAY_COMMAND"]
+    tasks = []
+    for task in range(4):
+        line = 'exec "$0" study "$1" --parts "$2" --part "$SLURM_ARRAY_TASK_ID/4" --threads 1 --quiet'
+        environment = {**os.environ, "SLURM_ARRAY_TASK_ID": str(task)}
+        tasks.append(subprocess.Popen(["sh", "-c", line, command, study, run], env=environment))
+    assert [task.wait() for task in tasks] == [0] * 4
+    assert parts.missing() == []
+    # Parts of Dask were not computed again.
+    assert found == {name: (run / name).stat().st_mtime_ns for name in found}
+
+    laptop = folder / "laptop"
+    shutil.copytree(run, laptop)
+    shutil.rmtree(run)
+    table = folder / "table.parquet"
+    gather = [command, "study", "--parts", laptop, "--gather", table, "--format", "json"]
+    summary = subprocess.run(gather, check=True, capture_output=True, text=True).stdout
+    assert (digest(table), json.loads(summary)) == whole(text)[:2]
+    return True
+
+
+ON_DASK = """import sys
+import dask, jointplay as jp
+from distributed import Client, LocalCluster
+
+if __name__ == "__main__":
+    study, run, temporary = sys.argv[1:]
+    parts = jp.study.Plan.from_file(study).parts(run)
+    with dask.config.set({"temporary-directory": temporary}):
+        with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster:
+            with Client(cluster) as client:
+                client.gather(client.map(parts.write, parts.missing(), pure=False))
+"""
+
+
+def test_statistics_in_footers_are_those_of_the_columns(tmp_path):
+    # Tilts of which some turn the platform over: their poses have no numbers.
+    far = SMALL.replace("normal = [0, 0.5]", "normal = [0, 40]").replace('"q1_mm"', '"q1_mm", "iterations"')
+    study, table = tmp_path / "s.toml", tmp_path / "t.parquet"
+    study.write_text(far)
+    command = [os.environ["JOINTPLAY_COMMAND"], "study", study, "--out", table, "--quiet"]
+    subprocess.run(command, check=True, capture_output=True)
+    stated = duckdb.sql(f"""
+        select row_group_id, path_in_schema, num_values, stats_null_count, stats_min_value, stats_max_value
+        from parquet_metadata('{table}')""").fetchall()
+    # Another reader than that of the footers.
+    file = pq.ParquetFile(table)
+    assert len(stated) == file.num_row_groups * len(file.schema_arrow) and file.num_row_groups == 3
+    without_numbers = 0
+    for group, name, count, nulls, least, largest in stated:
+        column = file.read_row_group(group, columns=[name]).column(0)
+        assert (count, nulls) == (len(column), column.null_count), name
+        if pa.types.is_floating(column.type):
+            numbers = column.filter(pc.is_finite(column))
+            without_numbers += len(column) - len(numbers)
+            expected = pc.min_max(numbers).as_py()
+            assert (float(least), float(largest)) == (expected["min"], expected["max"]), name
+        else:
+            expected = pc.min_max(column).as_py()
+            assert (least, largest) == (str(expected["min"]), str(expected["max"])), name
+    assert without_numbers > 0

@@ -39,6 +39,19 @@ pub(crate) fn output(command: &mut Command) -> io::Result<String> {
     Err(io::Error::other(format!("{}: {}", line(command), output.status)))
 }
 
+/// The output of a command, as text; what it reports on its progress is shown only if it fails.
+///
+/// # Errors
+/// As [`succeed`].
+pub(crate) fn output_without_progress(command: &mut Command) -> io::Result<String> {
+    let output = command.output()?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    let progress = String::from_utf8_lossy(&output.stderr);
+    Err(io::Error::other(format!("{}: {}\n{progress}", line(command), output.status)))
+}
+
 /// Starts a command; [`stop`] ends it.
 pub(crate) fn start(command: &mut Command) -> io::Result<Child> {
     #[cfg(unix)]
@@ -69,6 +82,10 @@ mod tests {
         assert!(succeed(cargo().arg("--version")).is_ok());
         let refused = output(cargo().arg("no-such-chore")).unwrap_err().to_string();
         assert!(refused.contains("no-such-chore: exit"), "{refused}");
+        let explained =
+            output_without_progress(cargo().arg("no-such-chore")).unwrap_err().to_string();
+        assert!(explained.starts_with(&refused), "{explained}");
+        assert!(explained.contains("no such command"), "{explained}");
         let absent = succeed(&mut Command::new("no-such-program")).unwrap_err().to_string();
         assert!(absent.starts_with("no-such-program: "), "{absent}");
     }

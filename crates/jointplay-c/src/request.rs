@@ -6,7 +6,8 @@ use jointplay::format::coordinates::{self, Coordinates};
 use jointplay::format::mechanism::MechanismFile;
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::mechanism::{
-    FrameId, MechanismSystem, close_sparse, mechanism_mobility, pose_commanded, relieve_commanded,
+    FrameId, MechanismSystem, OpenLoops, close_sparse, mechanism_mobility, pose_commanded,
+    relieve_commanded,
 };
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::report;
@@ -157,7 +158,7 @@ pub(crate) fn of_mechanism(
             let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
             let values = &posed.closed.coordinates;
             let system = MechanismSystem::new(mechanism, values.clone())?;
-            let found = mechanism_mobility(&system, RANK_THRESHOLD, false)?;
+            let found = mechanism_mobility(&system, RANK_THRESHOLD, OpenLoops::Refused)?;
             let relief = posed.relief.as_ref();
             let report = report::mechanism_mobility(file, &system, values, relief, &found, None);
             document(&report?)

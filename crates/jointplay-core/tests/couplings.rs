@@ -8,9 +8,10 @@ use jointplay_core::Error;
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
     Carrier, ChangedDimension, Coupling, DifferentialKinematics, Drive, Joint, JointCoordinate,
-    JointKind, Mechanism, MechanismError, MechanismSystem, MobilityClass, PositionSolver,
-    ReliefSolver, SparseSystem, StressScrew, SuggestOptions, VirtualJoint, VirtualMotion, assemble,
-    blocks, drive, guess, mechanism_mobility, relieve_commanded, self_stresses, suggest,
+    JointKind, Mechanism, MechanismError, MechanismSystem, MobilityClass, OpenLoops,
+    PositionSolver, ReliefSolver, SparseSystem, StressScrew, SuggestOptions, VirtualJoint,
+    VirtualMotion, assemble, blocks, drive, guess, mechanism_mobility, relieve_commanded,
+    self_stresses, suggest,
 };
 use jointplay_core::mobility::RANK_THRESHOLD;
 use jointplay_core::nalgebra::{DVector, Rotation2, Rotation3, Translation3, Vector2, Vector3};
@@ -67,7 +68,7 @@ fn mobility(mechanism: &Mechanism) -> jointplay_core::mechanism::MechanismMobili
     let home = guess(mechanism);
     let sparse = SparseSystem::new(mechanism, home.clone()).unwrap().mobility(RANK_THRESHOLD);
     let system = MechanismSystem::new(mechanism, home).unwrap();
-    let found = mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap();
+    let found = mechanism_mobility(&system, RANK_THRESHOLD, OpenLoops::Refused).unwrap();
     let (sparse, first) = (sparse.unwrap(), &found.finite.instantaneous);
     // Near a singular configuration, the two may take a small value for zero or not.
     if first.smallest_nonzero().is_none_or(|least| least > 1e-6) {
@@ -229,7 +230,7 @@ fn a_differential_and_a_fixed_coordinate() {
     let closed = assemble(&arms, &start, &[0], 10).unwrap();
     assert!((closed.coordinates - DVector::from_vec(vec![0.6, 0.4, 0.6])).amax() < 1e-11);
     let at = MechanismSystem::new(&arms, DVector::from_vec(vec![0.6, 0.4, 0.6])).unwrap();
-    let found = mechanism_mobility(&at, RANK_THRESHOLD, false).unwrap();
+    let found = mechanism_mobility(&at, RANK_THRESHOLD, OpenLoops::Refused).unwrap();
     assert_eq!((found.finite.mobility, found.finite.instantaneous.redundancy), (Some(1), 0));
 }
 

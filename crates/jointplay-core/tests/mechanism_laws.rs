@@ -1,7 +1,7 @@
 //! Laws that hold for every mechanism: numbering, tree, base and unit of length mean nothing.
 
 use jointplay_core::mechanism::{
-    Joint, JointKind, LinearAndAngular, Mechanism, MechanismMobility, MechanismSystem,
+    Joint, JointKind, LinearAndAngular, Mechanism, MechanismMobility, MechanismSystem, OpenLoops,
     SparseSystem, mechanism_mobility,
 };
 use jointplay_core::mobility::{InstantaneousMobility, RANK_THRESHOLD, instantaneous_mobility};
@@ -80,7 +80,7 @@ fn finite(links: usize, joints: Vec<Joint>) -> MechanismMobility {
     let mechanism = Mechanism::new("random", names(links), joints).unwrap();
     let home = DVector::zeros(mechanism.joint_freedoms());
     let system = MechanismSystem::new(&mechanism, home).unwrap();
-    mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap()
+    mechanism_mobility(&system, RANK_THRESHOLD, OpenLoops::Refused).unwrap()
 }
 
 /// Whether no singular value is near the threshold.

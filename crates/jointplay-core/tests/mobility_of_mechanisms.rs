@@ -5,8 +5,8 @@ use crate::families;
 use crate::robot;
 
 use jointplay_core::mechanism::{
-    Joint, JointKind, Mechanism, MechanismMobility, MechanismSystem, SparseMobility, SparseSystem,
-    assemble, blocks, guess, mechanism_mobility,
+    Joint, JointKind, Mechanism, MechanismMobility, MechanismSystem, OpenLoops, SparseMobility,
+    SparseSystem, assemble, blocks, guess, mechanism_mobility,
 };
 use jointplay_core::mobility::RANK_THRESHOLD;
 use jointplay_core::nalgebra::DVector;
@@ -60,7 +60,7 @@ impl Drawing {
 fn analysed(mechanism: &Mechanism) -> MechanismMobility {
     let home = DVector::zeros(mechanism.joint_freedoms());
     let system = MechanismSystem::new(mechanism, home).unwrap();
-    mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap()
+    mechanism_mobility(&system, RANK_THRESHOLD, OpenLoops::Refused).unwrap()
 }
 
 /// Compares the instantaneous mobility, the finite mobility and the dimensions of the branches.
@@ -242,7 +242,7 @@ fn the_place_of_the_base_decides_nothing() {
         let moved = Mechanism::new("Bennett", linkage.links().to_vec(), joints).unwrap();
         let closed = assemble(&moved, &guess(&moved), &[], 0).unwrap();
         let system = MechanismSystem::new(&moved, closed.coordinates).unwrap();
-        let found = mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap().finite;
+        let found = mechanism_mobility(&system, RANK_THRESHOLD, OpenLoops::Refused).unwrap().finite;
         assert_eq!((found.instantaneous.mobility, found.mobility), (1, Some(1)), "{far}");
     }
 }

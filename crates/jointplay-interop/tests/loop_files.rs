@@ -1,7 +1,8 @@
 //! Loops in YAML of other programs: their joints, their motors, and errors with their places.
 
 use jointplay_core::mechanism::{
-    JointKind, Kinematics, Mechanism, MechanismSystem, assemble, guess, mechanism_mobility,
+    JointKind, Kinematics, Mechanism, MechanismSystem, OpenLoops, assemble, guess,
+    mechanism_mobility,
 };
 use jointplay_core::mobility::RANK_THRESHOLD;
 use jointplay_interop::import::{Imported, parse, parse_closed};
@@ -85,7 +86,10 @@ fn analysed(mechanism: &Mechanism) -> (usize, usize, usize) {
         Err(other) => panic!("{other}"),
     };
     let system = MechanismSystem::new(mechanism, at.coordinates).unwrap();
-    let first = mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap().finite.instantaneous;
+    let first = mechanism_mobility(&system, RANK_THRESHOLD, OpenLoops::Refused)
+        .unwrap()
+        .finite
+        .instantaneous;
     (first.rank, first.mobility, first.redundancy)
 }
 

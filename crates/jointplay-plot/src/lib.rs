@@ -71,4 +71,5 @@ pub use panel::{Curve, Label, Marker, Panel};
 pub use pdf::svg_to_pdf;
 pub use png::svg_to_png;
 pub use style::{Colour, Dash, Model, Point, Style, model_style, rod_style};
+pub use text::escape_xml;
 pub use text_style::restyle_svg;

@@ -59,7 +59,7 @@ mod tests {
             let svg = format!(
                 "<svg xmlns='http://www.w3.org/2000/svg' width='900' height='99'>\
                  <text font-size='20' font-kerning='none' font-family='DejaVu Sans'>{}</text></svg>",
-                text::escape(sample)
+                text::escape_xml(sample)
             );
             let tree = parse(&svg).expect("well-formed");
             let painted = f64::from(tree.root().bounding_box().width());

@@ -1,6 +1,6 @@
 //! Writing of SVG elements.
 
-use crate::text::{FAMILIES, escape};
+use crate::text::{FAMILIES, escape_xml};
 use crate::{Point, Style};
 
 /// A white outline that keeps text readable on lines.
@@ -45,7 +45,7 @@ impl Svg {
     /// A white page `width` by `height` (px), described by `title`.
     pub(crate) fn new(width: f64, height: f64, title: &str) -> Self {
         let (w, h) = (px(width), px(height));
-        let about = escape(title);
+        let about = escape_xml(title);
         Self(format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
              role=\"img\" aria-label=\"{about}\" font-family=\"{FAMILIES}\" fill=\"none\">\n\
@@ -84,7 +84,7 @@ impl Svg {
             px(y),
             px(size),
             anchor.name(),
-            escape(text)
+            escape_xml(text)
         ));
     }
 }

@@ -94,8 +94,10 @@ pub(crate) fn wrap(text: &str, size: f64, room: f64) -> Vec<String> {
     lines
 }
 
-/// `text` escaped for an element or a quoted attribute.
-pub(crate) fn escape(text: &str) -> String {
+/// `text` escaped for an element or a quoted attribute of XML, with line breaks and tabs as references.
+///
+/// Characters that XML cannot represent are replaced by U+FFFD.
+pub fn escape_xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -103,7 +105,9 @@ pub(crate) fn escape(text: &str) -> String {
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
-            '\n' | '\r' | '\t' => escaped.push(' '),
+            '\n' => escaped.push_str("&#10;"),
+            '\t' => escaped.push_str("&#9;"),
+            '\r' => escaped.push_str("&#13;"),
             // XML cannot represent these.
             '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
             _ => escaped.push(letter),
@@ -132,6 +136,6 @@ mod tests {
 
     #[test]
     fn escapes() {
-        assert_eq!(escape("a<b & \"c\"\0\n"), "a&lt;b &amp; &quot;c&quot;\u{fffd} ");
+        assert_eq!(escape_xml("a<b & \"c\"\0\n"), "a&lt;b &amp; &quot;c&quot;\u{fffd}&#10;");
     }
 }

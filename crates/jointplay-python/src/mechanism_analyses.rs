@@ -2,7 +2,7 @@
 
 use jointplay::bulk::{Status, StatusCounts};
 use jointplay::mechanism::{
-    Closure, CommandedPositions, MechanismSystem, ReliefSolver, branches, close_sparse,
+    Closure, CommandedPositions, MechanismSystem, OpenLoops, ReliefSolver, branches, close_sparse,
     commanded_guess, mechanism_mobility,
 };
 use jointplay::mobility::{RANK_THRESHOLD, near_mobility};
@@ -139,8 +139,11 @@ impl PyMechanism {
             let at = system.at_home();
             let near = tolerance.map(|share| near_mobility(&system, &at, share)).transpose()?;
             // Loops that do not close are taken as forced shut.
-            let forced = tolerance.is_some() && !system.is_closed();
-            let finite = mechanism_mobility(&system, RANK_THRESHOLD, forced)?;
+            let open_loops = match tolerance {
+                Some(_) if !system.is_closed() => OpenLoops::TakenAsClosed,
+                _ => OpenLoops::Refused,
+            };
+            let finite = mechanism_mobility(&system, RANK_THRESHOLD, open_loops)?;
             Ok((values, residual, iterations, near, finite))
         });
         let (values, residual, iterations, near, finite) = found.map_err(failed)?;

@@ -18,7 +18,9 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
     process::succeed(&mut archive)?;
     process::succeed(Command::new("tar").arg("xf").arg(&committed).arg("-C").arg(&folder))?;
     let mut vendor = process::cargo();
-    let settings = process::output(vendor.args(["vendor", "--locked"]).current_dir(&folder))?;
+    // Not `--quiet`: with it, cargo does not print the settings.
+    vendor.args(["vendor", "--locked"]).current_dir(&folder);
+    let settings = process::output_without_progress(&mut vendor)?;
     let configuration = folder.join(".cargo").join("config.toml");
     write!(OpenOptions::new().append(true).open(configuration)?, "\n{settings}")?;
     try_out(folders, &folder)?;

@@ -9,7 +9,7 @@ use jointplay::format::mechanism::{LengthUnit, MAX_BYTES};
 use jointplay::format::number::{counted, rounded};
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
-use jointplay::mechanism::{MechanismSystem, mechanism_mobility};
+use jointplay::mechanism::{MechanismSystem, OpenLoops, mechanism_mobility};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility};
 use jointplay::report::{
     self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
@@ -126,8 +126,11 @@ impl Mobility {
         let at = system.at_home();
         let near = tolerance.map(|tolerance| near_mobility(&system, &at, tolerance)).transpose()?;
         // Within a tolerance, open loops are analysed as if forced shut.
-        let forced = tolerance.is_some() && !system.is_closed();
-        let found = mechanism_mobility(&system, RANK_THRESHOLD, forced)?;
+        let open_loops = match tolerance {
+            Some(_) if !system.is_closed() => OpenLoops::TakenAsClosed,
+            _ => OpenLoops::Refused,
+        };
+        let found = mechanism_mobility(&system, RANK_THRESHOLD, open_loops)?;
         let report = report::mechanism_mobility(
             &input.file,
             &system,

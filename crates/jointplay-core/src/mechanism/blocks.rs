@@ -230,6 +230,15 @@ impl MechanismMobility {
     }
 }
 
+/// Treatment of loops that are open at the configuration of an analysis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OpenLoops {
+    /// The analysis fails with [`Error::NotClosed`].
+    Refused,
+    /// The loops are taken as closed where they are, as [`ForcedClosure`] does.
+    TakenAsClosed,
+}
+
 /// Finite mobility of a mechanism at its home configuration, block by block, and the branches that meet there.
 ///
 /// Mobilities and their bounds add; the branches of the mechanism are combinations of branches of its blocks, and their dimensions add.
@@ -237,7 +246,7 @@ impl MechanismMobility {
 /// # Arguments
 /// * `system` – at its home, closed or taken as closed
 /// * `relative_threshold` – as for [`instantaneous_mobility`]
-/// * `forced` – take the loops as closed where they are, as [`ForcedClosure`] does
+/// * `open_loops` – whether loops that are open at the home are refused
 ///
 /// # Errors
 /// Those of [`finite_mobility`].
@@ -247,24 +256,24 @@ impl MechanismMobility {
 pub fn mechanism_mobility(
     system: &MechanismSystem<'_>,
     relative_threshold: f64,
-    forced: bool,
+    open_loops: OpenLoops,
 ) -> Result<MechanismMobility, Error> {
     let mechanism = system.kinematics().mechanism();
     let blocks = blocks(mechanism);
     if blocks.len() > 1
         && blocks.iter().any(Block::has_constraints)
-        && let Some(found) = by_blocks(system, &blocks, relative_threshold, forced)?
+        && let Some(found) = by_blocks(system, &blocks, relative_threshold, open_loops)?
     {
         return Ok(found);
     }
-    analysed(system, relative_threshold, forced)
+    analysed(system, relative_threshold, open_loops)
 }
 
 /// One block, or a mechanism as a whole.
 fn analysed(
     system: &MechanismSystem<'_>,
     relative_threshold: f64,
-    forced: bool,
+    open_loops: OpenLoops,
 ) -> Result<MechanismMobility, Error> {
     let at = system.at_home();
     let with = |system: &dyn crate::constraint::System| {
@@ -275,7 +284,10 @@ fn analysed(
         };
         Ok(MechanismMobility { finite, branch_dimensions })
     };
-    if forced { with(&ForcedClosure::new(system, &at)) } else { with(system) }
+    match open_loops {
+        OpenLoops::Refused => with(system),
+        OpenLoops::TakenAsClosed => with(&ForcedClosure::new(system, &at)),
+    }
 }
 
 /// Sums over the blocks; `None` where they do not agree with the whole on the first order, as may be with a singular value at the threshold.
@@ -283,7 +295,7 @@ fn by_blocks(
     system: &MechanismSystem<'_>,
     blocks: &[Block],
     relative_threshold: f64,
-    forced: bool,
+    open_loops: OpenLoops,
 ) -> Result<Option<MechanismMobility>, Error> {
     let kinematics = system.kinematics();
     let whole = kinematics.mechanism();
@@ -308,7 +320,7 @@ fn by_blocks(
                 coordinates.len(),
                 coordinates.iter().map(|&k| system.home()[k]),
             );
-            match analysed(&MechanismSystem::new(&part, home)?, relative_threshold, forced) {
+            match analysed(&MechanismSystem::new(&part, home)?, relative_threshold, open_loops) {
                 // Closed by the measure of the whole, which is larger.
                 Err(Error::NotClosed { .. }) => return Ok(None),
                 found => Some(found?),

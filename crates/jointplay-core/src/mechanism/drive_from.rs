@@ -15,9 +15,9 @@ pub const DEFAULT_STEPS: usize = 60;
 /// Drives joint coordinates along a path: by dense algebra, with the least displacements of virtual joints if there are any, or by sparse algebra if there are many loops.
 ///
 /// # Arguments
-/// * `from` – (f + M) a closed configuration, the driven coordinates at the first point of the path (m, rad)
+/// * `start` – (f + M) a closed configuration, the driven coordinates at the first point of the path (m, rad)
 /// * `held` – indices of other joint coordinates that keep their values, see [`held_actuators`]
-/// * `steps` – number of steps to report
+/// * `count` – number of steps to report
 /// * `tolerance` – largest mismatch of the configuration at rest that counts as closed; `None` for loops that close exactly
 /// * `progress` – called with the number of steps done after each
 ///
@@ -25,28 +25,28 @@ pub const DEFAULT_STEPS: usize = 60;
 /// Those of [`drive_along`], [`drive_relieved`] and [`SparseSystem::drive_along`]; of a mechanism with virtual joints those of [`close_at_rest`].
 pub fn drive_from(
     mechanism: &Mechanism,
-    from: &DVector<f64>,
+    start: &DVector<f64>,
     path: &DrivePath,
     held: &[usize],
-    steps: usize,
+    count: usize,
     tolerance: Option<f64>,
     progress: &mut dyn FnMut(usize),
 ) -> Result<DrivenMotion, Error> {
     if !MechanismSystem::fits(mechanism) {
-        let system = SparseSystem::new(mechanism, from.clone())?;
-        return system.drive_along(path, held, steps, progress);
+        let system = SparseSystem::new(mechanism, start.clone())?;
+        return system.drive_along(path, held, count, progress);
     }
     let driven = path.coordinates();
     let free: Vec<usize> = (0..mechanism.joint_freedoms())
         .filter(|k| !driven.contains(k) && !held.contains(k))
         .collect();
-    let system = MechanismSystem::new(mechanism, from.clone())?;
+    let system = MechanismSystem::new(mechanism, start.clone())?;
     if mechanism.virtual_joints().is_empty() {
-        return drive_along(&system, path, &free, steps, progress);
+        return drive_along(&system, path, &free, count, progress);
     }
     let at_rest = close_at_rest(mechanism, tolerance)?.coordinates;
     let home = MechanismSystem::new(mechanism, at_rest)?;
-    drive_relieved(&home, &system, path, &free, steps, progress)
+    drive_relieved(&home, &system, path, &free, count, progress)
 }
 
 /// Coordinates of the actuators that are held while others are driven: those that are not driven and that no coupling determines from the driven and held ones, or none if a joint without an actuator is driven.

@@ -61,7 +61,7 @@ mod virtual_sets;
 pub use crate::spatial::FrameTwist;
 pub use assembly::{assemble, branches, guess, is_same_configuration};
 pub use attached_frame::{AttachedFrame, FrameId};
-pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
+pub use blocks::{Block, MechanismMobility, OpenLoops, blocks, mechanism_mobility};
 pub use closing::close;
 pub use closure::Closure;
 pub use commanded_positions::CommandedPositions;

@@ -8,6 +8,7 @@ use jointplay_format::number::number;
 use jointplay_format::place::{Error, Place, nearest};
 
 use super::format_spec::{FormatSpec, Kind, Value};
+use super::pieces::{Pieces, Unpaired};
 use super::problem::Problem;
 
 /// Longest text of a filled template (bytes): templates of lines contain filled ones, each of them any number of times.
@@ -118,40 +119,34 @@ impl Template {
         place: impl Fn(Range<usize>) -> Place,
     ) -> Result<Self, (Range<usize>, Problem)> {
         let mut parts = Vec::new();
-        let mut plain = String::new();
-        let mut letters = text.char_indices().peekable();
-        while let Some((at, letter)) = letters.next() {
-            match letter {
-                '{' | '}' if letters.next_if(|(_, next)| *next == letter).is_some() => {
-                    plain.push(letter);
-                }
-                '{' => {
-                    if parts.len() == MOST_FIELDS {
-                        let problem = Problem::TooManyFields { allowed: MOST_FIELDS };
-                        return Err((at..text.len(), problem));
-                    }
-                    let start = at + 1;
-                    let Some((end, _)) = letters.find(|(_, letter)| *letter == '}') else {
-                        return Err((at..text.len(), Problem::Open));
-                    };
-                    let (source, format) = match text[start..end].split_once(':') {
-                        Some((source, format)) => (source, Some(format)),
-                        None => (&text[start..end], None),
-                    };
-                    let field = Field::parse(source, format, names, decimals, place(start..end));
-                    let field = field.map_err(|error| match error {
-                        FieldError::Source(part, problem) => {
-                            (start + part.start..start + part.end, problem)
-                        }
-                        FieldError::Format(problem) => (start + source.len() + 1..end, problem),
-                    })?;
-                    parts.push((std::mem::take(&mut plain), field));
-                }
-                '}' => return Err((at..at + 1, Problem::Close)),
-                letter => plain.push(letter),
+        let mut rest = String::new();
+        for piece in Pieces::of(text) {
+            let (plain, field) = piece.map_err(|brace| match brace {
+                Unpaired::Opening(part) => (part, Problem::Open),
+                Unpaired::Closing(part) => (part, Problem::Close),
+            })?;
+            let Some(Range { start, end }) = field else {
+                rest = plain;
+                break;
+            };
+            if parts.len() == MOST_FIELDS {
+                let problem = Problem::TooManyFields { allowed: MOST_FIELDS };
+                return Err((start - 1..text.len(), problem));
             }
+            let (source, format) = match text[start..end].split_once(':') {
+                Some((source, format)) => (source, Some(format)),
+                None => (&text[start..end], None),
+            };
+            let field = Field::parse(source, format, names, decimals, place(start..end));
+            let field = field.map_err(|error| match error {
+                FieldError::Source(part, problem) => {
+                    (start + part.start..start + part.end, problem)
+                }
+                FieldError::Format(problem) => (start + source.len() + 1..end, problem),
+            })?;
+            parts.push((plain, field));
         }
-        Ok(Self { parts, rest: plain })
+        Ok(Self { parts, rest })
     }
 
     /// Whether a field contains a name.

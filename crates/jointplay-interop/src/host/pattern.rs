@@ -7,7 +7,7 @@ use jointplay_format::place::{listed, nearest};
 
 use super::field::{FIELDS, Field, FieldKind};
 use super::refusal::Mismatch;
-use crate::controller_text::{Codes, CommandProblem as Problem, Value};
+use crate::controller_text::{Codes, CommandProblem as Problem, Pieces, Unpaired, Value};
 
 /// Longest identifier of a command (characters).
 const LONGEST_IDENTIFIER: usize = 32;
@@ -44,41 +44,35 @@ impl Pattern {
     /// The first problem, with its part of the text.
     pub(super) fn parse(text: &str) -> Result<Self, (Range<usize>, Problem)> {
         let mut parts: Vec<(String, Field)> = Vec::new();
-        let mut plain = String::new();
-        let mut letters = text.char_indices().peekable();
-        while let Some((at, letter)) = letters.next() {
-            match letter {
-                '{' | '}' if letters.next_if(|(_, next)| *next == letter).is_some() => {
-                    plain.push(letter);
-                }
-                '{' => {
-                    let end = letters.find(|(_, letter)| *letter == '}');
-                    let (end, _) = end.ok_or((at..text.len(), Problem::Brace))?;
-                    let field = find(&text[at + 1..end]).map_err(|why| (at + 1..end, why))?;
-                    let name = field.name;
-                    let is_same =
-                        |(_, other): &(String, Field)| other.in_templates == field.in_templates;
-                    if parts.iter().any(is_same) {
-                        return Err((at + 1..end, Problem::Twice { name }));
-                    }
-                    let joins = |(_, before): &(String, Field)| {
-                        use FieldKind::{Identifier, Integer, Real};
-                        matches!(before.kind, Identifier | Integer | Real)
-                    };
-                    if plain.is_empty() && parts.last().is_some_and(joins) {
-                        return Err((at + 1..end, Problem::NotSeparated { name }));
-                    }
-                    parts.push((std::mem::take(&mut plain), field));
-                }
-                '}' => return Err((at..at + 1, Problem::Brace)),
-                letter => plain.push(letter),
+        let mut rest = String::new();
+        for piece in Pieces::of(text) {
+            let (plain, field) = piece.map_err(|brace| match brace {
+                Unpaired::Opening(part) | Unpaired::Closing(part) => (part, Problem::Brace),
+            })?;
+            let Some(span) = field else {
+                rest = plain;
+                break;
+            };
+            let field = find(&text[span.clone()]).map_err(|why| (span.clone(), why))?;
+            let name = field.name;
+            let is_same = |(_, other): &(String, Field)| other.in_templates == field.in_templates;
+            if parts.iter().any(is_same) {
+                return Err((span, Problem::Twice { name }));
             }
+            let joins = |(_, before): &(String, Field)| {
+                use FieldKind::{Identifier, Integer, Real};
+                matches!(before.kind, Identifier | Integer | Real)
+            };
+            if plain.is_empty() && parts.last().is_some_and(joins) {
+                return Err((span, Problem::NotSeparated { name }));
+            }
+            parts.push((plain, field));
         }
-        let words = parts.iter().map(|(word, _)| word).chain([&plain]);
+        let words = parts.iter().map(|(word, _)| word).chain([&rest]);
         if words.into_iter().all(|word| word.trim().is_empty()) {
             return Err((0..text.len(), Problem::NoWord));
         }
-        Ok(Self { parts, rest: plain })
+        Ok(Self { parts, rest })
     }
 
     pub(super) fn fields(&self) -> impl Iterator<Item = Field> {

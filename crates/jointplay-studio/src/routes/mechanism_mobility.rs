@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::mechanism::{MechanismSystem, SparseSystem, mechanism_mobility};
+use jointplay::mechanism::{MechanismSystem, OpenLoops, SparseSystem, mechanism_mobility};
 use jointplay::mobility::RANK_THRESHOLD;
 use jointplay::report;
 
@@ -46,7 +46,7 @@ fn compute(request: &ConfigurationRequest) -> Result<MobilityOfMechanism, Proble
         return Ok(MobilityOfMechanism { dense: None, sparse: Some(sparse) });
     }
     let system = MechanismSystem::new(&file.mechanism, at.clone())?;
-    let found = mechanism_mobility(&system, RANK_THRESHOLD, false)?;
+    let found = mechanism_mobility(&system, RANK_THRESHOLD, OpenLoops::Refused)?;
     let dense = report::mechanism_mobility(file, &system, &at, None, &found, None)?;
     Ok(MobilityOfMechanism { dense: Some(dense), sparse: None })
 }

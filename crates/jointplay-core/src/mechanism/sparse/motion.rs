@@ -181,7 +181,7 @@ impl SparseSystem<'_> {
     ///
     /// # Arguments
     /// * `drives` – target values; all are reached at the same time
-    /// * `still` – indices of other coordinates that keep their values
+    /// * `held` – indices of other coordinates that keep their values
     /// * `count` – number of steps to report
     ///
     /// # Errors
@@ -193,17 +193,17 @@ impl SparseSystem<'_> {
     pub fn drive(
         self,
         drives: &[Drive],
-        still: &[usize],
+        held: &[usize],
         count: usize,
     ) -> Result<DrivenMotion, Error> {
         let path = DrivePath::line(&self.coordinates, drives)?;
-        self.drive_along(&path, still, count, &mut |_| {})
+        self.drive_along(&path, held, count, &mut |_| {})
     }
 
     /// Drives coordinates along a path, as [`crate::mechanism::drive_along`] does.
     ///
     /// # Arguments
-    /// * `still` – indices of other coordinates that keep their values
+    /// * `held` – indices of other coordinates that keep their values
     /// * `count` – number of steps to report; the drives are straight within each
     /// * `progress` – called with the number of steps done after each
     ///
@@ -212,11 +212,11 @@ impl SparseSystem<'_> {
     pub fn drive_along(
         mut self,
         path: &DrivePath,
-        still: &[usize],
+        held: &[usize],
         count: usize,
         progress: &mut dyn FnMut(usize),
     ) -> Result<DrivenMotion, Error> {
-        let held = self.held(path.coordinates().iter().chain(still).copied());
+        let held = self.held(path.coordinates().iter().chain(held).copied());
         self.correct(&held, MAX_CORRECTIONS)?;
         let (first, linear) = self.waypoint(0.0, &held, None)?;
         let mut here = Some(linear);

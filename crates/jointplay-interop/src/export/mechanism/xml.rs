@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use jointplay_plot::escape_xml;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 /// A file in progress, with the depth of its next element.
@@ -19,7 +20,7 @@ impl Xml {
         let indent = "  ".repeat(self.open.len());
         let _ = write!(self.text, "{indent}<{tag}");
         for (name, value) in attributes {
-            let _ = write!(self.text, " {name}=\"{}\"", escaped(value));
+            let _ = write!(self.text, " {name}=\"{}\"", escape_xml(value));
         }
         self.text.push_str(end);
     }
@@ -32,7 +33,7 @@ impl Xml {
     /// An element with text.
     pub(super) fn with_text(&mut self, tag: &str, attributes: &[(&str, String)], text: &str) {
         self.start(tag, attributes, ">");
-        let _ = writeln!(self.text, "{}</{tag}>", escaped(text));
+        let _ = writeln!(self.text, "{}</{tag}>", escape_xml(text));
     }
 
     /// Opens an element; [`Xml::close`] closes it.
@@ -48,23 +49,6 @@ impl Xml {
             let _ = writeln!(self.text, "{indent}</{tag}>");
         }
     }
-}
-
-fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\n' => escaped.push_str("&#10;"),
-            '\t' => escaped.push_str("&#9;"),
-            '\r' => escaped.push_str("&#13;"),
-            other => escaped.push(other),
-        }
-    }
-    escaped
 }
 
 /// Numbers with spaces between them, each the shortest decimal of its value.
