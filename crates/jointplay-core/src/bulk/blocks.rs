@@ -135,8 +135,8 @@ fn fill<S: Simd, M: Model, W: Method>(
     }
     if needs.virtual_displacements {
         let start = task.geometry.start::<M>();
-        for k in 0..3 {
-            results.put(Quantity::VirtualDisplacement(k), found.a[k] - start[k]);
+        for (k, start) in start.into_iter().enumerate() {
+            results.put(Quantity::VirtualDisplacement(k), found.a[k] - start);
             results.put(Quantity::VirtualDisplacement(3 + k), found.b[k]);
         }
     }
