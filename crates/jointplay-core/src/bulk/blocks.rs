@@ -4,7 +4,6 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
-use super::forward::Work;
 use super::results::{Needs, PLACES, Results, place, repeat};
 use super::{Column, Quantity, Status, singular_values};
 use crate::gpr::{Gpr, Limits};
@@ -15,8 +14,10 @@ use crate::kernel::{
 use crate::virtualization::signed_area;
 
 /// The work cut into blocks.
-pub(super) struct Blocks<'w, 'a, 'b, M, W> {
-    pub(super) work: &'w mut Work<'a, 'b>,
+pub(super) struct Blocks<'w, 'b, M, W> {
+    pub(super) rods: [Column<'w>; 3],
+    pub(super) status: &'w mut [Status],
+    pub(super) wanted: &'w mut [(Quantity, &'b mut [f64])],
     pub(super) task: Task<'w>,
     /// `None` where limits are not checked.
     pub(super) limits: Option<Within>,
@@ -52,36 +53,33 @@ impl Within {
     }
 }
 
-impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
+impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, M, W> {
     /// Whether poses remain without an answer; their status is another than solved.
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { work, task, limits, method, .. } = self;
+        let Self { rods: columns, status, wanted, task, limits, method, .. } = self;
         let count = Lanes::<S>::COUNT;
-        let poses = work.status.len();
+        let poses = status.len();
         let (whole, blocks) = (poses / count, poses.div_ceil(count));
-        let needs = Needs::of(work.wanted);
-        let given = work.rods.each_ref().map(Column::registers::<S>);
+        let needs = Needs::of(wanted);
+        let given = columns.each_ref().map(Column::registers::<S>);
         let mut rest = [simd.splat_f64s(0.0); PLACES];
         let mut doubtful = false;
-        work.status.fill(Status::Solved);
+        status.fill(Status::Solved);
         for part in [0..whole, whole..blocks] {
             // Whole blocks are written to the columns, the rest is copied to them afterwards.
             let written_from = part.start;
-            let mut results = if part.end == whole {
-                Results::<S>::new(work.wanted)
-            } else {
-                Results::one(&mut rest)
-            };
+            let mut results =
+                if part.end == whole { Results::<S>::new(wanted) } else { Results::one(&mut rest) };
             for block in part {
                 let first = block * count;
                 let mut rods = [Lanes::splat(simd, 0.0); 3];
                 for k in 0..3 {
                     rods[k] = match given[k].get(block) {
                         Some(register) => Lanes::from_register(simd, *register),
-                        None => work.rods[k].lanes(simd, first),
+                        None => columns[k].lanes(simd, first),
                     };
                 }
                 let balls = Balls::new(task.geometry, rods);
@@ -97,14 +95,14 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, '_, M, W> {
                     let lanes = count.min(poses - first);
                     for (lane, solved) in solved.answers()[..lanes].iter().enumerate() {
                         if !solved {
-                            work.status[first + lane] = Status::NotConverged;
+                            status[first + lane] = Status::NotConverged;
                         }
                     }
                 }
             }
         }
-        repeat(work.wanted, whole * count);
-        for (quantity, column) in &mut *work.wanted {
+        repeat(wanted, whole * count);
+        for (quantity, column) in &mut *wanted {
             let register = rest[place(*quantity)];
             Lanes::from_register(simd, register).store(column, whole * count);
         }

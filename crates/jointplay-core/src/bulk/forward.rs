@@ -130,7 +130,8 @@ impl Work<'_, '_> {
     fn by_method<M: Model, W: Method>(&mut self, task: Task<'_>, method: W) -> Result<(), Error> {
         let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
         let model = PhantomData::<M>;
-        let blocks = Blocks { work: &mut *self, task, limits, model, method };
+        let (rods, status, wanted) = (self.rods, &mut *self.status, &mut *self.wanted);
+        let blocks = Blocks { rods, status, wanted, task, limits, model, method };
         let doubtful = Arch::new().dispatch(blocks);
         if doubtful { self.the_rest() } else { Ok(()) }
     }
@@ -304,7 +305,9 @@ mod tests {
         task: Task<'_>,
         method: W,
     ) -> bool {
-        simd.vectorize(Blocks { work, task, limits: None, model: PhantomData::<M>, method })
+        let (rods, status, wanted) = (work.rods, &mut *work.status, &mut *work.wanted);
+        let model = PhantomData::<M>;
+        simd.vectorize(Blocks { rods, status, wanted, task, limits: None, model, method })
     }
 
     /// What is computed with all kinds of registers.
