@@ -63,8 +63,7 @@ impl<S: Simd> PlatformPoses<S> {
         let tilted = Tilted::new(plane);
         let slope = tilted.slope;
         let x = slope[0];
-        // Sums of three products each, so that none waits for the sum before.
-        let (mut cosines, mut sines) = ([x; 3], [x; 3]);
+        let (mut cosine, mut sine) = (x.like(0.0), x.like(0.0));
         for k in 0..3 {
             let rise = balls.rises[k];
             let [base_x, base_y] = geometry.base_edges[k];
@@ -72,17 +71,16 @@ impl<S: Simd> PlatformPoses<S> {
             let onto_x = slope[0].times_from(rise, x.like(base_x));
             let onto_y = slope[1].times_from(rise, x.like(base_y));
             let [from_x, from_y] = shape.edges[k];
-            cosines[k] = from_x.times_plus(onto_x, from_y * onto_y);
-            sines[k] = from_y.times_from(onto_x, from_x * onto_y);
+            cosine = from_x.times_plus(onto_x, from_y.times_plus(onto_y, cosine));
+            sine = from_y.times_from(onto_x, from_x.times_plus(onto_y, sine));
         }
-        let rough = total(&balls.squares).inverse();
-        let (cosine, sine) = (total(&cosines) * rough, total(&sines) * rough);
-        // The length of (cosine, sine) is one but for what is missing from the sides: 1/√(1 − m) as a series.
-        // With what is missing to the last digit, so that a platform without torsion has none.
-        let missing = sine.times_from(sine, cosine.times_from(cosine, cosine.like(1.0)));
-        let series = missing.times_plus(missing.like(0.3125), missing.like(0.375));
-        let longer = missing * missing.times_plus(series, missing.like(0.5));
-        let (cosine, sine) = (cosine.times_plus(longer, cosine), sine.times_plus(longer, sine));
+        // The length of (cosine, sine) is the sum of the squared sides but for what is missing from them; one step of Newton's method for the root takes that away.
+        let [l_1, l_2, l_3] = balls.squares;
+        let rough = (l_1 + l_2 + l_3).inverse();
+        let (cosine, sine) = (cosine * rough, sine * rough);
+        let length = cosine.times_plus(cosine, sine * sine);
+        let exact = length.times_from(length.like(0.5), length.like(1.5));
+        let (cosine, sine) = (cosine * exact, sine * exact);
         let mut center = [x; 2];
         for (axis, center) in center.iter_mut().enumerate() {
             let [p_1, p_2, p_3] = shape.sockets;
@@ -92,7 +90,11 @@ impl<S: Simd> PlatformPoses<S> {
             sine.times_from(center[1], cosine * center[0]),
             sine.times_plus(center[0], cosine * center[1]),
         ];
-        tilted.placed(geometry, balls, [cosine, sine], center)
+        // A second step to length one, with what is missing from it to the last digit, so that a platform without torsion has none.
+        let one = cosine.like(1.0);
+        let missing = sine.times_from(sine, cosine.times_from(cosine, one)) * 0.5;
+        let turn = [cosine.times_plus(missing, cosine), sine.times_plus(missing, sine)];
+        tilted.placed(geometry, balls, turn, center)
     }
 
     /// The platform in the plane through the balls at a known place in it.
@@ -206,9 +208,4 @@ impl<S: Simd> Tilted<S> {
         ];
         PlatformPoses { origin, normal, turn, slope }
     }
-}
-
-#[inline(always)]
-fn total<S: Simd>([a, b, c]: &Three<S>) -> Lanes<S> {
-    *a + *b + *c
 }
