@@ -85,6 +85,17 @@ def test_poses_of_links_and_frames_are_homogeneous_transforms():
     assert pickle.loads(pickle.dumps(moved)) == moved
 
 
+def test_poses_of_a_mechanism_without_coordinates():
+    bracket = jp.Mechanism.from_toml(
+        DOOR.replace('"revolute"', '"fixed"').replace("axis = [0, 0, 1]\nactuated = true\n", "")
+    )
+    offset = np.eye(4)
+    offset[:3, 3] = [0.9, 0, 1]
+    assert np.array_equal(bracket.assemble().link_poses("handle"), offset)
+    assert np.array_equal(bracket.link_poses(np.zeros((3, 0)), "handle"), np.stack([offset] * 3))
+    assert bracket.link_poses(np.zeros((0, 0)), "leaf").shape == (0, 4, 4)
+
+
 def test_velocities_and_jacobians_are_derivatives_of_poses():
     mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
     at = {"rod 1": 0.002, "rod 2": -0.001, "rod 3": 0.0}

@@ -146,7 +146,7 @@ int32_t jp_robot_inverse(const struct JpRobot *robot,
  `virtual_joints` takes the displacements of the virtual joints from nominal, `JP_MAX_VIRTUAL_JOINTS` numbers, zero beyond their number (m, rad).
  `tilt` takes tilt direction (rad), tilt angle (rad) and axis height (m).
  Each of the three may be NULL.
- The first call for a robot under a virtualization prepares the robot, which takes as long as some hundred calls.
+ The first call for a robot under a virtualization prepares the robot, which takes as long as several hundred calls.
 
  Arguments:
  `robot` is NULL or a robot; `rods` is NULL or 3 numbers; `pose`, `virtual_joints` and `tilt` are NULL or have room.

@@ -5,6 +5,7 @@
 
 mod block;
 mod catch;
+mod fields;
 pub mod fmi;
 mod mechanism;
 mod motion_request;

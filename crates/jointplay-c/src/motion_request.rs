@@ -1,7 +1,5 @@
 //! Requests in JSON about motions, and virtual joints that make them possible.
 
-use std::collections::BTreeMap;
-
 use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::MechanismFile;
 use jointplay::mechanism::{
@@ -11,12 +9,9 @@ use jointplay::mechanism::{
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, MotionReport, SuggestReport};
-use serde::Deserialize;
 
 use crate::catch::Failure;
-
-/// Joint coordinates by name (m, rad).
-pub(crate) type Values = BTreeMap<String, f64>;
+use crate::fields::{Fields, Values, needed};
 
 /// Steps of a motion if the request has no number, as of the command.
 const STEPS: usize = 60;
@@ -50,24 +45,30 @@ impl Named<'_> {
 }
 
 /// A straight motion of joints from a closed configuration.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct Move {
     /// Commanded coordinates at the start; the closed configuration of the file, if there are none.
-    #[serde(default)]
     at: Values,
     /// Values at the end.
     to: Values,
     steps: Option<usize>,
     /// Motors that follow, instead of being held.
-    #[serde(default)]
     free: Vec<String>,
     /// Whether the answer has the poses of links and attached frames.
-    #[serde(default)]
     poses: bool,
 }
 
 impl Move {
+    pub(crate) fn read(fields: Fields) -> Result<Self, Failure> {
+        let mut fields = fields.only(&["at", "to", "steps", "free", "poses"])?;
+        Ok(Self {
+            at: fields.values("at")?.unwrap_or_default(),
+            to: needed("to", fields.values("to")?)?,
+            steps: fields.whole("steps")?,
+            free: fields.texts("free")?.unwrap_or_default(),
+            poses: fields.truth("poses")?,
+        })
+    }
+
     pub(crate) fn answer(&self, named: Named<'_>) -> Result<MotionReport, Failure> {
         let steps = self.steps.unwrap_or(STEPS);
         if !(1..=MOST_STEPS).contains(&steps) {
@@ -98,40 +99,41 @@ impl Move {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Rank {
-    Norm,
-    Largest,
-    Stiffness,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct Stiffness {
-    /// N/m
-    linear: Option<f64>,
-    /// N m/rad
-    angular: Option<f64>,
-}
-
 /// Virtual joints that make commands possible.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(crate) struct Suggest {
     /// Commands to the same coordinates; small ones to each motor, if there are none.
-    #[serde(default)]
     commands: Vec<Values>,
     limit: Option<usize>,
     joints: Option<usize>,
-    #[serde(default)]
     symmetric: bool,
-    rank: Option<Rank>,
-    #[serde(default)]
-    stiffness: Stiffness,
+    rank: SuggestionRank,
+    /// N/m and N m/rad
+    stiffness: LinearAndAngular,
 }
 
 impl Suggest {
+    pub(crate) fn read(fields: Fields) -> Result<Self, Failure> {
+        let known = ["commands", "limit", "joints", "symmetric", "rank", "stiffness"];
+        let mut fields = fields.only(&known)?;
+        let ranks = [
+            ("norm", SuggestionRank::Norm),
+            ("largest", SuggestionRank::Largest),
+            ("stiffness", SuggestionRank::Stiffness),
+        ];
+        let mut stiffness = fields.object("stiffness", &["linear", "angular"])?;
+        Ok(Self {
+            commands: fields.lists_of_values("commands")?,
+            limit: fields.whole("limit")?,
+            joints: fields.whole("joints")?,
+            symmetric: fields.truth("symmetric")?,
+            rank: fields.word("rank", &ranks)?.unwrap_or(SuggestionRank::Norm),
+            stiffness: LinearAndAngular {
+                linear: stiffness.number("linear")?,
+                angular: stiffness.number("angular")?,
+            },
+        })
+    }
+
     pub(crate) fn answer(&self, named: Named<'_>) -> Result<SuggestReport, Failure> {
         let mut file = named.file.clone();
         // The search replaces the virtual joints of the file.
@@ -163,11 +165,7 @@ impl Suggest {
             limit: self.limit.unwrap_or(defaults.limit),
             joints: self.joints,
             symmetric_only: self.symmetric,
-            rank: match self.rank {
-                None | Some(Rank::Norm) => SuggestionRank::Norm,
-                Some(Rank::Largest) => SuggestionRank::Largest,
-                Some(Rank::Stiffness) => SuggestionRank::Stiffness,
-            },
+            rank: self.rank,
             stiffness: LinearAndAngular {
                 linear: positive("linear", self.stiffness.linear)?,
                 angular: positive("angular", self.stiffness.angular)?,

@@ -14,73 +14,12 @@ use jointplay::report;
 use jointplay::sensitivity::commanded_sensitivity;
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::catch::Failure;
-use crate::motion_request::{Move, Named, Suggest, Values};
+use crate::fields::{Fields, Values, needed};
+use crate::motion_request::{Move, Named, Suggest};
 use crate::virtualization::named;
-
-#[derive(Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-enum OfRobot {
-    Forward {
-        rods_m: [f64; 3],
-        virtualization: Option<String>,
-    },
-    Inverse {
-        #[serde(default)]
-        azimuth_rad: f64,
-        #[serde(default)]
-        tilt_rad: f64,
-        /// The working height, if not given.
-        height_m: Option<f64>,
-        virtualization: Option<String>,
-    },
-    Mobility {
-        /// Level at the working height, if not given.
-        rods_m: Option<[f64; 3]>,
-        /// Without one, rigid links only.
-        virtualization: Option<String>,
-    },
-    Sensitivity {
-        #[serde(default)]
-        azimuth_rad: f64,
-        tilt_rad: f64,
-        /// The working height, if not given.
-        height_m: Option<f64>,
-        virtualization: Option<String>,
-    },
-}
-
-#[derive(Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-enum OfMechanism {
-    Assemble {
-        #[serde(default)]
-        at: Values,
-    },
-    Mobility {
-        #[serde(default)]
-        at: Values,
-    },
-    Jacobian {
-        #[serde(default)]
-        at: Values,
-        /// The actuated ones, if not given.
-        commanded: Option<Vec<String>>,
-        /// Attached frames, or else links, if not given.
-        frames: Option<Vec<String>>,
-    },
-    Sensitivity {
-        command: Values,
-    },
-    Move(Move),
-    Suggest(Suggest),
-}
-
-fn parse<'a, T: Deserialize<'a>>(request: &'a str) -> Result<T, Failure> {
-    serde_json::from_str(request).map_err(|error| Failure::input(format!("request: {error}")))
-}
 
 fn document(report: &impl Serialize) -> Result<CString, Failure> {
     let text = serde_json::to_string(report).map_err(|error| Failure::internal(error.to_string()));
@@ -91,30 +30,39 @@ fn document(report: &impl Serialize) -> Result<CString, Failure> {
 pub(crate) fn of_robot(gpr: &Gpr, request: &str) -> Result<CString, Failure> {
     let options = SolveOptions::default();
     let height = |given: Option<f64>| AxisHeight(given.unwrap_or(gpr.working_height()));
-    match parse(request)? {
-        OfRobot::Forward { rods_m, virtualization } => {
-            let model = named(virtualization.as_deref())?;
-            let pose = gpr.forward(rods_m, model, &options)?;
-            document(&report::forward(gpr, &pose, model, &[]))
-        }
-        OfRobot::Inverse { azimuth_rad, tilt_rad, height_m, virtualization } => {
-            let model = named(virtualization.as_deref())?;
-            let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
-            let rods = gpr.inverse(tilt, height(height_m))?;
+    let mut fields = Fields::of_request(request)?;
+    let tilted = ["azimuth_rad", "tilt_rad", "height_m", "virtualization"];
+    match fields.kind(&["forward", "inverse", "mobility", "sensitivity"])? {
+        "forward" => {
+            let mut fields = fields.only(&["rods_m", "virtualization"])?;
+            let rods = needed("rods_m", fields.three("rods_m")?)?;
+            let model = named(fields.text("virtualization")?.as_deref())?;
             let pose = gpr.forward(rods, model, &options)?;
             document(&report::forward(gpr, &pose, model, &[]))
         }
-        OfRobot::Mobility { rods_m, virtualization } => {
+        "inverse" => {
+            let mut fields = fields.only(&tilted)?;
+            let azimuth = fields.number("azimuth_rad")?.unwrap_or(0.0);
+            let angle = fields.number("tilt_rad")?.unwrap_or(0.0);
+            let height = height(fields.number("height_m")?);
+            let model = named(fields.text("virtualization")?.as_deref())?;
+            let rods = gpr.inverse(Tilt { azimuth, angle }, height)?;
+            let pose = gpr.forward(rods, model, &options)?;
+            document(&report::forward(gpr, &pose, model, &[]))
+        }
+        "mobility" => {
+            let mut fields = fields.only(&["rods_m", "virtualization"])?;
+            // Level at the working height, if not given.
             let level = || gpr.inverse(Tilt::LEVEL, height(None));
-            let rods = rods_m.map_or_else(level, Ok)?;
+            let rods = fields.three("rods_m")?.map_or_else(level, Ok)?;
             // Rigid links: the choice of virtualization makes no difference.
             let pose = gpr.forward(rods, &Planar, &options)?;
             let rigid = gpr.system(&Planar);
             let finite = finite_mobility(&rigid, &rigid.configuration(&pose), RANK_THRESHOLD)?;
-            let augmented = match virtualization.as_deref() {
+            let augmented = match fields.text("virtualization")? {
                 None => None,
                 Some(name) => {
-                    let model = named(Some(name))?;
+                    let model = named(Some(&name))?;
                     let relieved = gpr.system(model);
                     let at = relieved.configuration(&gpr.forward(rods, model, &options)?);
                     Some((model.name(), augmented_mobility(&relieved, &at, RANK_THRESHOLD)?))
@@ -124,10 +72,13 @@ pub(crate) fn of_robot(gpr: &Gpr, request: &str) -> Result<CString, Failure> {
             let kutzbach = gpr.kutzbach_mobility();
             document(&report::mobility(&pose, kutzbach, &finite, augmented, &[]))
         }
-        OfRobot::Sensitivity { azimuth_rad, tilt_rad, height_m, virtualization } => {
-            let model = named(virtualization.as_deref())?;
-            let tilt = Tilt { azimuth: azimuth_rad, angle: tilt_rad };
-            let play = gpr.tilt_play(tilt, height(height_m), model, &options)?;
+        _ => {
+            let mut fields = fields.only(&tilted)?;
+            let azimuth = fields.number("azimuth_rad")?.unwrap_or(0.0);
+            let angle = needed("tilt_rad", fields.number("tilt_rad")?)?;
+            let height = height(fields.number("height_m")?);
+            let model = named(fields.text("virtualization")?.as_deref())?;
+            let play = gpr.tilt_play(Tilt { azimuth, angle }, height, model, &options)?;
             document(&report::sensitivity(gpr, &play, model, &[]))
         }
     }
@@ -143,18 +94,23 @@ pub(crate) fn of_mechanism(
     let of_file = Named { file, coordinates };
     let index = |name: &String| of_file.index(name);
     let commands = |values: &Values| of_file.commands(values);
-    match parse(request)? {
-        OfMechanism::Assemble { at } => {
+    let mut fields = Fields::of_request(request)?;
+    let known = ["assemble", "mobility", "jacobian", "sensitivity", "move", "suggest"];
+    match fields.kind(&known)? {
+        "assemble" => {
+            let at = fields.only(&["at"])?.values("at")?.unwrap_or_default();
             let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
             let relief = posed.relief.as_ref();
             document(&report::assembly(file, &posed.closed, relief, None, None))
         }
-        OfMechanism::Mobility { at } if !MechanismSystem::fits(mechanism) => {
+        "mobility" if !MechanismSystem::fits(mechanism) => {
+            let at = fields.only(&["at"])?.values("at")?.unwrap_or_default();
             let (system, _) = close_sparse(mechanism, &commands(&at)?)?;
             let found = system.mobility(RANK_THRESHOLD)?;
             document(&report::sparse_mobility(file, &system, &found))
         }
-        OfMechanism::Mobility { at } => {
+        "mobility" => {
+            let at = fields.only(&["at"])?.values("at")?.unwrap_or_default();
             let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
             let values = &posed.closed.coordinates;
             let system = MechanismSystem::new(mechanism, values.clone())?;
@@ -163,8 +119,12 @@ pub(crate) fn of_mechanism(
             let report = report::mechanism_mobility(file, &system, values, relief, &found, None);
             document(&report?)
         }
-        OfMechanism::Jacobian { at, commanded, frames } => {
-            let commanded = match commanded {
+        "jacobian" => {
+            let mut fields = fields.only(&["at", "commanded", "frames"])?;
+            let at = fields.values("at")?.unwrap_or_default();
+            let frames = fields.texts("frames")?;
+            // The actuated ones, if not given; attached frames, or else links.
+            let commanded = match fields.texts("commanded")? {
                 None => mechanism.actuated_coordinates(),
                 Some(names) => names.iter().map(index).collect::<Result<Vec<usize>, _>>()?,
             };
@@ -203,9 +163,11 @@ pub(crate) fn of_mechanism(
                 Err(error) => Err(Failure::no_answer(error.to_string())),
             }
         }
-        OfMechanism::Move(motion) => document(&motion.answer(of_file)?),
-        OfMechanism::Suggest(search) => document(&search.answer(of_file)?),
-        OfMechanism::Sensitivity { command } => {
+        "move" => document(&Move::read(fields)?.answer(of_file)?),
+        "suggest" => document(&Suggest::read(fields)?.answer(of_file)?),
+        _ => {
+            let command = fields.only(&["command"])?.values("command")?;
+            let command = needed("command", command)?;
             if mechanism.virtual_joints().is_empty() || command.is_empty() {
                 let text = "sensitivity needs a mechanism with virtual joints, and a command";
                 return Err(Failure::input(text));

@@ -2,12 +2,14 @@
 
 use jointplay_core::mechanism::{
     Joint, JointKind, LinearAndAngular, Mechanism, MechanismMobility, MechanismSystem, OpenLoops,
-    SparseSystem, mechanism_mobility,
+    SparseSystem, assemble, mechanism_mobility,
 };
 use jointplay_core::mobility::{InstantaneousMobility, RANK_THRESHOLD, instantaneous_mobility};
 use jointplay_core::nalgebra::{DVector, Rotation3, Translation3, Vector3};
 use jointplay_core::spatial::Pose;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree as _;
+use proptest::test_runner::TestRunner;
 
 fn kind() -> impl Strategy<Value = JointKind> {
     prop_oneof![
@@ -243,6 +245,60 @@ fn joint(name: &str, kind: JointKind, links: [usize; 2], frame: Pose) -> Joint {
         limits: Vec::new(),
         clearance: LinearAndAngular::default(),
         stiffness: LinearAndAngular::default(),
+    }
+}
+
+/// A hinge and a slide that a weld locks, carriers, and a loop of four joints: the redundant equations of the weld are round-off, along which no coordinate may move.
+#[test]
+fn coordinates_on_no_loop_keep_their_values_when_loops_are_closed() {
+    use JointKind::{Fixed, Prismatic, Revolute, Spherical};
+    const GUESS: f64 = 0.2;
+    let tree = [
+        (Revolute, 0),
+        (Revolute, 1),
+        (Revolute, 2),
+        (Prismatic, 3),
+        (Prismatic, 4),
+        (Prismatic, 5),
+        (Revolute, 6),
+        (Prismatic, 7),
+        (Revolute, 8),
+        (Revolute, 5),
+    ];
+    let closing = [(Fixed, [4, 2]), (Spherical, [9, 6])];
+    let mut runner = TestRunner::deterministic();
+    let poses = prop::collection::vec(pose(), 2 * tree.len() + closing.len());
+    for case in 0..100 {
+        let drawn = poses.new_tree(&mut runner).unwrap().current();
+        let (steps, places) = drawn.split_at(tree.len());
+        let mut base_from = vec![Pose::identity()];
+        for ((_, parent), step) in tree.iter().zip(steps) {
+            base_from.push(base_from[*parent] * step);
+        }
+        // Each joint is where both of its links have it, in frames of the links, as models of simulators place joints.
+        let ends = tree.iter().enumerate().map(|(k, &(kind, parent))| (kind, [parent, k + 1]));
+        let joints =
+            ends.chain(closing).zip(places).enumerate().map(|(k, ((kind, ends), place))| {
+                let moved = match kind {
+                    Revolute => Pose::from_parts(
+                        Translation3::identity(),
+                        Rotation3::new(-Vector3::z() * GUESS),
+                    ),
+                    Prismatic => Translation3::new(0.0, 0.0, -GUESS).into(),
+                    _ => Pose::identity(),
+                };
+                let [first, second] = ends.map(|link| base_from[link].inverse() * place);
+                Joint {
+                    frames: [first * moved, second],
+                    ..joint(&format!("j{k}"), kind, ends, *place)
+                }
+            });
+        let mechanism = Mechanism::new("locked", names(base_from.len()), joints.collect()).unwrap();
+        let mut start = DVector::from_element(mechanism.joint_freedoms(), GUESS);
+        start.rows_mut(tree.len(), 3).fill(0.0);
+        let closed = assemble(&mechanism, &start, &[], 0).unwrap();
+        let off = (closed.coordinates - start).amax();
+        assert!(off < 1e-9, "case {case}: {off:e}");
     }
 }
 

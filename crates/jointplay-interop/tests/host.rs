@@ -187,7 +187,17 @@ fn refusals_have_a_code_a_reason_and_leave_everything_as_it_was() {
         ("GET LP1 3 C", "REFUSED 2 found \"C\" in place of an effector: A, B"),
         ("GET LP1 x A", "REFUSED 2 found \"x\" in place of a whole number"),
         ("GET LP1 3", "REFUSED 2 "),
-        ("GET LP1 3 A B", "REFUSED 2 incomplete or too long; the command is GET {station}"),
+        // Before, these were "incomplete or too long", without what was found.
+        (
+            "GET LP1 3 A B",
+            "REFUSED 2 found \"B\" in place of the end of the line; the command is GET {station}",
+        ),
+        ("GET LP1", "REFUSED 2 found the end of the line in place of {slot}; the command is GET"),
+        ("GET LP1x 3 A", "REFUSED 2 found \"x\" in place of a space; the command is GET"),
+        (
+            "MOVE T 1e9",
+            "REFUSED 2 found \"e9\" in place of the end of the line; the command is MOVE",
+        ),
         ("DANCE", "REFUSED 2 not a command; commands: HOME | GET"),
         ("GET LP1 99 A", "REFUSED 4 "),
         ("GET LP2 3 A", "REFUSED 4 "),

@@ -368,6 +368,36 @@ proptest! {
 }
 
 #[test]
+fn names_of_couplings_that_a_format_does_not_have_are_reported() {
+    let coupled = |name: &str| {
+        let text = format!(
+            r#"
+kind = "mechanism"
+name = "gears"
+units = {{ length = "mm", angle = "deg" }}
+base = "box"
+joint = [
+  {{ name = "wheel", kind = "revolute", links = ["box", "gear"], point = [0, 0, 0], axis = [0, 0, 1] }},
+  {{ name = "motor", kind = "revolute", links = ["box", "pinion"], point = [90, 0, 0], axis = [0, 0, 1], actuated = true }},
+]
+coupling = [{{ name = "{name}", coordinate = "wheel", terms = [{{ coordinate = "motor", ratio = -2 }}] }}]
+"#
+        );
+        mechanism::parse(&text).map_err(|error| error.with_excerpt("gears")).unwrap().mechanism
+    };
+    for (format, write) in FORMATS {
+        for name in ["teeth", "mimic of wheel"] {
+            let original = coupled(name);
+            let written = write(&original, &guess(&original)).unwrap();
+            let found = parse(&written.text).unwrap().mechanism;
+            let is_kept = found.couplings()[0].name == name;
+            let report = format!("name of the coupling {name:?}");
+            assert_eq!(!is_kept, written.lost.contains(&report), "{format}: {:?}", written.lost);
+        }
+    }
+}
+
+#[test]
 fn couplings_are_read_again() {
     let coupled = |couplings: &str| {
         let text = format!(

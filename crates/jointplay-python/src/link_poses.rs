@@ -58,8 +58,9 @@ impl PyMechanism {
         let frame = self.frame(py, name)?;
         let values = given.readonly();
         let rows: Vec<f64> = values.as_array().iter().copied().collect();
+        let count = shape[..shape.len() - 1].iter().product();
         let poses = py
-            .detach(|| self.poses_of(frame, &rows, exaggerate))
+            .detach(|| self.poses_of(frame, &rows, count, exaggerate))
             .map_err(|error| errors::core(py, &error))?;
         let shape = [&shape[..shape.len() - 1], &[4, 4]].concat();
         let array = ArrayD::from_shape_vec(IxDyn(&shape), poses)
@@ -80,11 +81,20 @@ impl PyMechanism {
     }
 
     /// Entries of the homogeneous transforms by rows, NaN for configurations that are not finite.
-    fn poses_of(&self, frame: FrameId, rows: &[f64], factor: f64) -> Result<Vec<f64>, Error> {
+    ///
+    /// The number of rows is an argument of its own because mechanisms of fixed joints alone have no coordinates.
+    fn poses_of(
+        &self,
+        frame: FrameId,
+        rows: &[f64],
+        count: usize,
+        factor: f64,
+    ) -> Result<Vec<f64>, Error> {
         let kinematics = Kinematics::new(&self.file.mechanism);
         let width = self.coordinates.all().len();
-        let mut entries = Vec::with_capacity(rows.len() / width * ENTRIES);
-        for row in rows.chunks_exact(width) {
+        let mut entries = Vec::with_capacity(count * ENTRIES);
+        for number in 0..count {
+            let row = &rows[number * width..(number + 1) * width];
             if !row.iter().all(|value| value.is_finite()) {
                 entries.extend([f64::NAN; ENTRIES]);
                 continue;

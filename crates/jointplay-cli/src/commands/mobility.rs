@@ -262,7 +262,8 @@ fn sparse_text(report: &SparseMobilityReport, unit: LengthUnit) -> String {
 }
 
 fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
-    let mut text = format!("mobility of {}, at\n", report.name);
+    let at = if report.coordinates.0.is_empty() { "" } else { ", at" };
+    let mut text = format!("mobility of {}{at}\n", report.name);
     text.push_str(&input.table(&report.coordinates.0, 0));
     if let Some(displaced) = &report.virtual_joints {
         text.push_str("rigid links do not close; displacement of the virtual joints\n");

@@ -34,7 +34,7 @@ use crate::progress::Progress;
 Examples:
   jointplay simulate
   jointplay simulate --azimuth-step-deg 1 --virtualization polar,planar --out fine-study
-  jointplay simulate --tilt-deg -1.5:1.5:0.1 --order serpentine --metric radius")]
+  jointplay simulate --tilt-deg -1.5:1.5:0.1 --order serpentine --metric radius --out serpentine")]
 pub(crate) struct Simulate {
     /// Virtualizations, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]

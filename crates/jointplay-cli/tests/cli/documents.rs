@@ -98,23 +98,27 @@ fn every_example_in_a_help_text_runs() {
         "compare",
         "assemble",
         "move",
+        "jacobian",
         "draw",
+        "suggest",
         "catalogue",
         "import",
+        "export",
         "cell",
         "cell check",
         "cell run",
         "cell export",
         "cell optimise",
         "cell teach",
+        "cell displacement",
         "cell format",
         "cell expand",
         "cell example",
     ] {
         let help = helper.done(&format!("{command} --help"));
         let (_, examples) = help.split_once("Examples:").expect("every command has examples");
-        // Those of a folder of parts follow one another.
-        let parts = sandbox_with_a_model();
+        // A reader tries the examples of a command one after the other in a folder.
+        let sandbox = sandbox_with_a_model();
         for line in examples.lines().map(str::trim) {
             let Some(line) = line.strip_prefix("jointplay ") else { continue };
             // Text after two spaces explains the line.
@@ -124,8 +128,6 @@ fn every_example_in_a_help_text_runs() {
             if line.starts_with("cell serve") {
                 continue;
             }
-            let fresh = sandbox_with_a_model();
-            let sandbox = if line.contains("--parts") { &parts } else { &fresh };
             let run = sandbox.run(&quick(line));
             assert_eq!(run.code, 0, "{line}: {}", run.stderr);
         }

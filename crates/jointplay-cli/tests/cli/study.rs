@@ -86,7 +86,10 @@ fn an_example_is_a_study_of_ones_own() {
     assert_eq!(sandbox.run("study mine.toml").code, 0);
     assert_eq!(sandbox.run("study center-shift").code, 0);
     assert_eq!(sandbox.read("mine.csv"), sandbox.read("center-shift.csv"));
-    assert!(sandbox.done("study tolerances --example").contains("[tolerances]"));
+    let text = sandbox.done("study tolerances --example");
+    assert!(text.contains("[tolerances]"));
+    let document = sandbox.json("study tolerances --example");
+    assert_eq!(document, serde_json::json!({ "name": "tolerances", "text": text }));
 }
 
 #[test]

@@ -227,8 +227,14 @@ impl Svd {
     /// (n) V Σ (Σ² + damping²)⁻¹ Uᵀ b: the least-squares solution of A x = b, damped where singular values are no larger than `damping`.
     #[must_use]
     pub fn solve_damped(&self, b: &DVector<f64>, damping: f64) -> DVector<f64> {
+        self.solve_damped_within(b, damping, self.singular_values.len())
+    }
+
+    /// (n) As [`solve_damped`](Self::solve_damped), from the first `rank` singular values.
+    #[must_use]
+    pub fn solve_damped_within(&self, b: &DVector<f64>, damping: f64, rank: usize) -> DVector<f64> {
         let mut x = DVector::zeros(self.v.nrows());
-        for (k, &sigma) in self.singular_values.iter().enumerate() {
+        for (k, &sigma) in self.singular_values.iter().take(rank).enumerate() {
             let share = sigma / (sigma * sigma + damping * damping);
             x.axpy(share * self.u.column(k).dot(b), &self.v.column(k), 1.0);
         }

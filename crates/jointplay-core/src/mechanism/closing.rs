@@ -19,6 +19,8 @@ const DRIFT: f64 = 1e-7;
 const FAR: f64 = 1e-4;
 /// Damping below which a longer step is no better.
 const LEAST_DAMPING: f64 = 1e-14;
+/// Share of the largest singular value below which singular values are round-off: their directions are arbitrary, and divided by the least damping they would move coordinates that the loops leave free.
+const ROUND_OFF_OF_RANK: f64 = 1e-14;
 
 /// Corrects the free coordinates until all loops are closed, by damped Gauss–Newton steps of least norm.
 ///
@@ -52,12 +54,13 @@ pub fn close(
     while iterations < max_iterations && residual.amax() > 1e-16 && !free.is_empty() {
         let jacobian = here.full_jacobian(&here.at_home()).select_columns(free);
         let decomposition = svd(&scaled_jacobian(&jacobian, &rows, &free_units))?;
+        let rank = decomposition.rank(ROUND_OFF_OF_RANK);
         let before = residual.norm();
         let mut accepted = false;
         while !accepted && iterations < max_iterations {
             iterations += 1;
             let damping = (damping_factor * before.min(1.0)).max(LEAST_DAMPING);
-            let step = -decomposition.solve_damped(&residual, damping);
+            let step = -decomposition.solve_damped_within(&residual, damping, rank);
             let shorten = (LONGEST_STEP / step.norm()).min(1.0);
             let mut by = DVector::zeros(here.home().len());
             for (&k, value) in free.iter().zip(step.component_mul(&free_units).iter()) {

@@ -192,6 +192,11 @@ impl FormatSpec {
         })
     }
 
+    /// Whether fill can be written before or after a value.
+    pub(crate) fn pads(&self) -> bool {
+        self.width > 0
+    }
+
     /// Whether the format is that of a whole number.
     pub(crate) fn names_whole_type(text: &str) -> bool {
         text.ends_with(['d', 'x', 'X', 'o', 'b'])

@@ -157,6 +157,13 @@ impl Template {
         })
     }
 
+    /// The text before the first field, if this field is the value of a name without padding.
+    pub(crate) fn literal_before(&self, name: &str) -> Option<&str> {
+        let (literal, field) = self.parts.first()?;
+        let is_value = matches!(&field.source, Source::Name(own) if *own == name);
+        (is_value && !field.spec.pads()).then_some(literal)
+    }
+
     /// The text with the values of its fields.
     ///
     /// # Errors

@@ -91,17 +91,31 @@ impl Pattern {
         let mut values = Values::new();
         let mut left = line;
         for (index, (text, field)) in self.parts.iter().enumerate() {
-            left = after(text, left).ok_or(Mismatch::Text { fields: index })?;
+            left = after(text, left).ok_or_else(|| {
+                let expected = match text.trim() {
+                    "" if left.is_empty() => format!("{{{}}}", field.name),
+                    "" => "a space".to_owned(),
+                    word => format!("{word:?}"),
+                };
+                Mismatch::Text { fields: index, found: first_word(left), expected }
+            })?;
             let (taken, value) = vocabulary.value(*field, left).map_err(|expected| {
-                let found = left.split_whitespace().next().unwrap_or_default().to_owned();
-                Mismatch::Field { fields: index, found, expected }
+                Mismatch::Field { fields: index, found: first_word(left), expected }
             })?;
             left = &left[taken..];
             values.push((field.in_templates, value));
         }
+        let fields = self.parts.len();
         match after(&self.rest, left) {
             Some("") => Ok(values),
-            _ => Err(Mismatch::Text { fields: self.parts.len() }),
+            Some(more) => {
+                let expected = "the end of the line".to_owned();
+                Err(Mismatch::Text { fields, found: first_word(more), expected })
+            }
+            None => {
+                let expected = format!("{:?}", self.rest.trim());
+                Err(Mismatch::Text { fields, found: first_word(left), expected })
+            }
         }
     }
 }
@@ -115,6 +129,11 @@ fn find(name: &str) -> Result<Field, Problem> {
             known: known.collect::<Vec<_>>().join(", "),
         }
     })
+}
+
+/// The first word of the rest of a line, nothing at its end.
+fn first_word(rest: &str) -> String {
+    rest.split_whitespace().next().unwrap_or_default().to_owned()
 }
 
 /// The rest of a line after a text; `None` where the line does not begin with it.

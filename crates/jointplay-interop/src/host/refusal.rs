@@ -57,6 +57,10 @@ pub(super) enum Mismatch {
     Text {
         /// Number of fields that fit.
         fields: usize,
+        /// Word of the line.
+        found: String,
+        /// Description of what the pattern has there.
+        expected: String,
     },
     /// In a field.
     Field {
@@ -73,8 +77,8 @@ impl Mismatch {
     /// How much of the pattern fits, for the choice of the most helpful message.
     pub(super) fn rank(&self) -> usize {
         match self {
-            Self::Text { fields: 0 } => 0,
-            Self::Text { fields } => 2 * fields,
+            Self::Text { fields: 0, .. } => 0,
+            Self::Text { fields, .. } => 2 * fields,
             Self::Field { fields, .. } => 2 * fields + 1,
         }
     }

@@ -23,9 +23,6 @@ use crate::controller_text::{Codes, Output, Problem, Template, Value, count, one
 /// Longest accepted line of a host (bytes), without its end.
 pub const MAX_LINE_BYTES: usize = 1_000;
 
-/// Largest difference of a line's length from that of its text, for lines with checksums (bytes).
-const MOST_FRAMING: usize = 64;
-
 /// The robot of one host, and the language in which the host talks to it.
 ///
 /// Times are those of the caller's clock, in seconds, and do not decrease.
@@ -196,7 +193,7 @@ impl<'l> HostSession<'l> {
         if line.len() > MAX_LINE_BYTES {
             return Err(unreadable(&format!("the line is longer than {MAX_LINE_BYTES} bytes")));
         }
-        let text = self.text_of(line).ok_or_else(|| {
+        let text = self.language.input.text_of(line).ok_or_else(|| {
             unreadable("the line does not have the form of `[input]`, or its checksum is incorrect")
         })?;
         let text = text.trim_matches([' ', '\t']);
@@ -218,16 +215,16 @@ impl<'l> HostSession<'l> {
             }
         }
         let why = match nearest {
-            Some((Mismatch::Field { found, expected, .. }, rule)) => {
+            Some((
+                Mismatch::Field { found, expected, .. } | Mismatch::Text { found, expected, .. },
+                rule,
+            )) => {
                 let found = if found.is_empty() {
                     "the end of the line".to_owned()
                 } else {
                     format!("{found:?}")
                 };
                 format!("found {found} in place of {expected}; the command is {}", rule.text)
-            }
-            Some((Mismatch::Text { .. }, rule)) => {
-                format!("incomplete or too long; the command is {}", rule.text)
             }
             None => {
                 let known: Vec<&str> =
@@ -236,40 +233,6 @@ impl<'l> HostSession<'l> {
             }
         };
         Err(Refused::new(RefusalReason::Unknown, why))
-    }
-
-    /// The text within a line, whose form and checksum are verified by writing the line again.
-    fn text_of<'t>(&self, line: &'t str) -> Option<&'t str> {
-        let input = &self.language.input;
-        if input.covered.is_none() && input.line.is_none() {
-            return Some(line);
-        }
-        let fits = |text: &str| {
-            let text_value = || Value::Text(text.to_owned());
-            let covered = match &input.covered {
-                Some(template) => template.fill(|_| text_value()).ok()?,
-                None => text.to_owned(),
-            };
-            let checksum = input.checksum.map_or(0, |one| one.compute(covered.as_bytes()));
-            let written = match &input.line {
-                Some(template) => template
-                    .fill(|name| match name {
-                        "checksum" => Value::Integer(checksum),
-                        "covered" => Value::Text(covered.clone()),
-                        _ => text_value(),
-                    })
-                    .ok()?,
-                None => covered.clone(),
-            };
-            Some(written == line)
-        };
-        // The text is between a beginning and an end of the line that do not depend on its length.
-        let least = line.len().saturating_sub(MOST_FRAMING);
-        let parts = (least..=line.len()).rev().flat_map(|length| {
-            (0..=line.len() - length).filter_map(move |start| line.get(start..start + length))
-        });
-        let mut fitting = parts.filter(|text| fits(text) == Some(true));
-        fitting.next()
     }
 
     /// Plans a program and starts it.

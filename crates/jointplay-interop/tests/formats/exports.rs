@@ -410,7 +410,14 @@ fn couplings() -> Vec<Row> {
             yes(same)
         })
     };
+    let joined = JointCoordinate { joint: 0, freedom: 0 };
+    let terms = vec![(JointCoordinate { joint: 0, freedom: 1 }, 0.002)];
+    let named = Coupling { name: "gear".to_owned(), follower: joined, terms, offset: 0.0 };
+    let named = pair(joint(JointKind::Cylindrical)).with_couplings(vec![named]).unwrap();
     vec![
+        row("name of a coupling", named, "name of the coupling", |reading| {
+            yes(reading.found.couplings()[0].name == "gear")
+        }),
         coupled("coupling of two coordinates", JointKind::Cylindrical, vec![0.002]),
         coupled("coupling of three coordinates", JointKind::Planar, vec![0.5, 0.1]),
         coupled("coupling that fixes a coordinate", JointKind::Revolute, Vec::new()),

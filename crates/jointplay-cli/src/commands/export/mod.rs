@@ -29,10 +29,10 @@ use crate::source;
 Examples:
   jointplay export gpr-mechanism --to mjcf
   jointplay export hexapod --to mjcf,sdf,urdf --out models
-  jointplay export four-bar --to mjcf --at A=30 --out models
+  jointplay export four-bar --to mjcf --at A=30 --out crank-at-30
   jointplay export gpr-mechanism --to mjcf --rigid --out rigid
   jointplay export hexapod --to fmu --out units
-  jointplay export gpr --to fmu --fmi 3 --virtualization polar --out units
+  jointplay export gpr --to fmu --fmi 3 --virtualization polar --out polar-units
 
 Exit codes: 0 written, 1 the loops do not close or drives do not determine the motion, 2 bad input or usage, or a joint that the format does not have.")]
 pub(crate) struct Export {

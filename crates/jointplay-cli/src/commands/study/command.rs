@@ -9,6 +9,7 @@ use jointplay::report::study_table::{Table, TableKind};
 use jointplay::report::{self, SHARES, TotalsReport};
 use jointplay::study::parallel::MOST_THREADS;
 use jointplay::study::plan::{self, Block, Study};
+use serde::Serialize;
 
 use super::destination::Destination;
 use super::estimate::{Estimate, rough_size};
@@ -76,6 +77,14 @@ pub(crate) struct StudyCommand {
     pub(crate) format: FormatArgs,
 }
 
+/// The study file that is printed.
+#[derive(Serialize)]
+struct Example<'a> {
+    /// Name of the file without its extension, or of the included example.
+    name: &'a str,
+    text: &'a str,
+}
+
 /// Tables of at least this size are announced before the computation starts (bytes).
 const ANNOUNCED_SIZE: f64 = 1e10;
 
@@ -89,7 +98,10 @@ impl StudyCommand {
         let first = Path::new(study::examples()[0].name);
         let source = StudySource::read(self.file.as_deref().unwrap_or(first))?;
         if self.example {
-            return output::raw(&source.text);
+            return match self.format.json() {
+                true => output::json(&Example { name: &source.stem, text: &source.text }),
+                false => output::raw(&source.text),
+            };
         }
         let file = source.parse()?;
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.csv", source.stem)));

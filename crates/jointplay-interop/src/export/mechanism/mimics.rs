@@ -23,6 +23,12 @@ pub(super) struct Mimic {
 }
 
 impl Mimic {
+    /// Whether two relations join the same coordinates, in either direction.
+    fn joins(&self, other: &Self) -> bool {
+        let ends = |one: &Self| (one.follower.min(one.leader), one.follower.max(one.leader));
+        ends(self) == ends(other)
+    }
+
     /// The same relation, solved for the other coordinate.
     fn turned(self) -> Self {
         Self {
@@ -41,7 +47,7 @@ pub(super) struct Mimics {
     pub(super) implied: Vec<Coupling>,
     /// Couplings that no coordinate can follow, with the reason.
     pub(super) impossible: Vec<(Coupling, &'static str)>,
-    /// Actuators of coordinates that have to follow.
+    /// Actuators of coordinates that have to follow, and names of couplings.
     pub(super) lost: Vec<String>,
 }
 
@@ -63,6 +69,7 @@ impl Mimics {
     pub(super) fn new(skeleton: &Skeleton<'_>, is_possible: impl Fn(&Coupling) -> bool) -> Self {
         let mut groups = Groups::default();
         let mut kept: Vec<Mimic> = Vec::new();
+        let mut names: Vec<&str> = Vec::new();
         let (mut implied, mut impossible) = (Vec::new(), Vec::new());
         for coupling in skeleton.mechanism.couplings() {
             let [(leader, ratio)] = coupling.terms[..] else {
@@ -77,7 +84,10 @@ impl Mimics {
                 [coupling.follower, leader].map(|one| skeleton.coordinate(one));
             let mimic = Mimic { follower, leader, ratio, offset: coupling.offset };
             match groups.join(mimic) {
-                Joined::New => kept.push(mimic),
+                Joined::New => {
+                    kept.push(mimic);
+                    names.push(&coupling.name);
+                }
                 Joined::Implied => implied.push(coupling.clone()),
                 Joined::Fixed => {
                     let reason = "with the other couplings it fixes its coordinates; choose MJCF";
@@ -93,7 +103,14 @@ impl Mimics {
                 [mimic.follower, mimic.leader].map(|one| skeleton.motion_name(one));
             format!("actuator of {follower:?}: it follows {leader:?}")
         });
-        let lost = lost.collect();
+        let renamed = kept.iter().zip(names).filter(|(one, name)| {
+            let written = all.iter().find(|mimic| mimic.joins(one));
+            let imported =
+                written.map(|mimic| format!("mimic of {}", skeleton.motion_name(mimic.follower)));
+            imported.as_deref() != Some(name)
+        });
+        let renamed = renamed.map(|(_, name)| format!("name of the coupling {name:?}"));
+        let lost = lost.chain(renamed).collect();
         Self { all, implied, impossible, lost }
     }
 }
