@@ -64,7 +64,7 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, M, W> {
         let poses = status.len();
         let (whole, blocks) = (poses / count, poses.div_ceil(count));
         let needs = Needs::of(wanted);
-        let given = columns.each_ref().map(Column::registers::<S>);
+        let given = columns.map(Column::blocks::<S>);
         let mut rest = [simd.splat_f64s(0.0); PLACES];
         let mut doubtful = false;
         status.fill(Status::Solved);
@@ -75,13 +75,8 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, M, W> {
                 if part.end == whole { Results::<S>::new(wanted) } else { Results::one(&mut rest) };
             for block in part {
                 let first = block * count;
-                let mut rods = [Lanes::splat(simd, 0.0); 3];
-                for k in 0..3 {
-                    rods[k] = match given[k].get(block) {
-                        Some(register) => Lanes::from_register(simd, *register),
-                        None => columns[k].lanes(simd, first),
-                    };
-                }
+                let [q_1, q_2, q_3] = &given;
+                let rods = [q_1.block(simd, block), q_2.block(simd, block), q_3.block(simd, block)];
                 let balls = Balls::new(task.geometry, rods);
                 let found = method.found::<S, M>(&task, &balls);
                 results.select(block - written_from);

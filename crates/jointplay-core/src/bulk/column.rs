@@ -62,15 +62,17 @@ impl<'a> Column<'a> {
         self.values[index * self.stride]
     }
 
-    /// The whole registers of a contiguous column; none of another.
+    /// The column in blocks of as many entries as a register holds.
     #[inline(always)]
-    pub(super) fn registers<S: Simd>(&self) -> &'a [S::f64s] {
-        if self.stride == 1 { S::as_simd_f64s(&self.values[..self.len]).0 } else { &[] }
+    pub(super) fn blocks<S: Simd>(self) -> ColumnBlocks<'a, S> {
+        let contiguous = if self.stride == 1 { &self.values[..self.len] } else { &[] };
+        let (registers, _) = S::as_simd_f64s(contiguous);
+        ColumnBlocks { registers, column: self }
     }
 
     /// The entries from `first` on, side by side; beyond the end the last one again.
     #[inline(always)]
-    pub(super) fn lanes<S: Simd>(&self, simd: S, first: usize) -> Lanes<S> {
+    fn lanes<S: Simd>(&self, simd: S, first: usize) -> Lanes<S> {
         if self.stride == 0 {
             return Lanes::splat(simd, self.at(0));
         }
@@ -94,6 +96,24 @@ impl<'a> Column<'a> {
         );
         let first = (range.start * self.stride).min(self.values.len());
         Self { values: &self.values[first..], stride: self.stride, len: range.len() }
+    }
+}
+
+/// A column in blocks.
+pub(super) struct ColumnBlocks<'a, S: Simd> {
+    /// The whole blocks of a contiguous column; none of another.
+    registers: &'a [S::f64s],
+    column: Column<'a>,
+}
+
+impl<S: Simd> ColumnBlocks<'_, S> {
+    /// The entries of a block; beyond the end the last one again.
+    #[inline(always)]
+    pub(super) fn block(&self, simd: S, block: usize) -> Lanes<S> {
+        match self.registers.get(block) {
+            Some(register) => Lanes::from_register(simd, *register),
+            None => self.column.lanes(simd, block * Lanes::<S>::COUNT),
+        }
     }
 }
 

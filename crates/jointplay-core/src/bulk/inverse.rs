@@ -73,10 +73,12 @@ impl WithSimd for Blocks<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> Result<(), Error> {
         let tilts = self.status.len();
-        for first in (0..tilts).step_by(Lanes::<S>::COUNT) {
-            let azimuth = self.given[0].lanes(simd, first);
-            let tilt_angle = self.given[1].lanes(simd, first);
-            let height = self.given[2].lanes(simd, first);
+        let given = self.given.map(Column::blocks::<S>);
+        for block in 0..tilts.div_ceil(Lanes::<S>::COUNT) {
+            let first = block * Lanes::<S>::COUNT;
+            let azimuth = given[0].block(simd, block);
+            let tilt_angle = given[1].block(simd, block);
+            let height = given[2].block(simd, block);
             let ((sin, cos), (rise, run)) = (sin_cos(azimuth), sin_cos(tilt_angle));
             let slope = rise / run;
             let (slope_x, slope_y) = (slope * cos, slope * sin);
