@@ -267,8 +267,7 @@ impl Gpr {
         characteristic_length: f64,
         found: SinglePose,
     ) -> PlatformPose {
-        let sides = ball_sides(&self.ball_centers(&rods));
-        let base_from_platform = found.base_from_platform;
+        let SinglePose { sides, base_from_platform, .. } = found;
         let solution = solution(task, characteristic_length, found.joints);
         PlatformPose { rods, sides, solution, base_from_platform }
     }

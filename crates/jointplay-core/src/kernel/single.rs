@@ -12,7 +12,7 @@ use super::pose::{InPlane, Plane, PlatformPoses};
 use super::shape::{Balls, Shape};
 use super::solve::solved;
 use crate::spatial::Pose;
-use crate::virtualization::VirtualJoints;
+use crate::virtualization::{Sides, VirtualJoints};
 
 /// One over the cosine of the largest tilt that is computed here.
 const STEEPEST: f64 = 2.0;
@@ -30,6 +30,7 @@ pub(crate) struct SingleJoints {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SinglePose {
     pub(crate) joints: SingleJoints,
+    pub(crate) sides: Sides,
     pub(crate) base_from_platform: Pose,
 }
 
@@ -96,6 +97,7 @@ impl Single {
         let rotation = Matrix3::from_columns(&axes.map(Into::into));
         SinglePose {
             joints: self.joints::<M>(geometry),
+            sides: balls.squares.map(|square| square.sqrt().number()),
             base_from_platform: Pose::from_parts(
                 Translation3::from(placed.origin.map(Lanes::number)),
                 Rotation3::from_matrix_unchecked(rotation),
