@@ -180,7 +180,11 @@ fn invalid_requests_name_their_field() {
     bad(r#"{"command": {"kind": "tolt"}}"#, Some("command.kind"), r#"unknown kind "tolt""#);
     let tilt = |fields: &str| format!(r#"{{"command": {{"kind": "tilt", {fields}}}}}"#);
     bad(&tilt(r#""azimuth_rad": 1"#), Some("command"), "missing field `tilt_rad`");
-    bad(&tilt(r#""azimuth_rad": "a", "tilt_rad": 0"#), Some("command.azimuth_rad"), "expected f64");
+    bad(
+        &tilt(r#""azimuth_rad": "a", "tilt_rad": 0"#),
+        Some("command.azimuth_rad"),
+        "expected a number, got \"a\"",
+    );
     bad(
         &tilt(r#""azimuth_rad": 1e9, "tilt_rad": 0"#),
         Some("command.azimuth_rad"),
@@ -198,7 +202,7 @@ fn invalid_requests_name_their_field() {
     let turns = r#"{"command": {"kind": "tilt_xy", "about_x_rad": 1.5, "about_y_rad": 1.5}}"#;
     bad(turns, Some("command"), "must be between -π/2 and π/2");
     let rods = |rods: &str| format!(r#"{{"command": {{"kind": "rods", "rods_m": {rods}}}}}"#);
-    bad(&rods("[0.5, 0.5]"), Some("command.rods_m"), "length 3");
+    bad(&rods("[0.5, 0.5]"), Some("command.rods_m"), "expected a list of 3, got 2");
     bad(&rods("[0.5, 0.5, 2000]"), Some("command.rods_m[2]"), "got 2e3 m");
     let model = |model: &str| {
         format!(r#"{{"command": {{"kind": "rods", "rods_m": [1, 1, 1]}}, "models": {model}}}"#)

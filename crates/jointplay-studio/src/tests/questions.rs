@@ -55,7 +55,7 @@ fn invalid_requests_name_their_field() {
     bad("forward", length, "model.characteristic_length_m", "must be within 1e-12 to 1e6 m");
     bad("inverse", r#"{"command": {"kind": "level"}}"#, "command.kind", "unknown kind \"level\"");
     bad("mobility", r#"{"virtualization": "cubic"}"#, "virtualization", "`radial`");
-    bad("mobility", r#"{"rods_m": [1, 1]}"#, "rods_m", "length 3");
+    bad("mobility", r#"{"rods_m": [1, 1]}"#, "rods_m", "expected a list of 3, got 2");
     bad("compare", r#"{"tilts_rad": []}"#, "tilts_rad", "1 to 10000 are allowed");
     bad("compare", r#"{"tilts_rad": [0, 2]}"#, "tilts_rad[1]", "must be between -π/2 and π/2");
     bad(
