@@ -11,7 +11,7 @@ FAMILIES = {
 }
 WHAT = {
     "closed": [
-        "Three equations for the sides, F(X) = 0, in six unknowns; each program finds the solution of the paper's iteration X ← X + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (L² − L(X)²) from nominal, each side within 10⁻⁹ mm: by this iteration with the exact Jacobian, and jointplay, one by one, by polynomials that interpolate its solutions.",
+        "Three equations for the sides, F(X) = 0, in six unknowns; each program finds the solution of the paper's iteration X ← X + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (L² − L(X)²) from nominal, each side within 10⁻⁹ mm: by this iteration with the exact Jacobian, and jointplay by polynomials that interpolate its solutions, save for many poses from Python.",
         "*With pose*: the pose of the platform is included.",
     ],
     "least": [
@@ -24,7 +24,7 @@ WHAT = {
 }
 NOTES = {
     "closed": [
-        "*jointplay* prepares the robot once, by `PoseSolver::new`, which is not counted: the virtual joints as polynomials of the slopes of the plane through the balls, and the first step of the iteration. *One by one*: `PoseSolver::virtual_joints`, and with pose `PoseSolver::forward`, by the polynomials; *bulk*: `PoseSolver::forward_many`, by the iteration for Newton, by the polynomials for the least displacement, whose pose is origin, normal and torsion. Each pose is checked by its sides.",
+        "*jointplay* prepares the robot once, by `PoseSolver::new`, which is not counted: the virtual joints as polynomials of the slopes of the plane through the balls, and the first step of the iteration. *One by one*: `PoseSolver::virtual_joints`, and with pose `PoseSolver::forward`, by the polynomials; *bulk*: `PoseSolver::forward_many`, by the polynomials too, whose pose is origin, normal and torsion. Each pose is checked by its sides.",
         "*C, vectors over poses*: 8 or 16 poses in vectors of the compiler, or a loop without branches under `#pragma omp simd`. *C, by hand*: pose by pose. Both use the law of cosines, series for the sines of small angles, a first step computed once for all poses, and one division for a 3×3 system. *C, textbook* omits the series and the first step.",
         "*Numba*, *JAX*, *NumPy* use the same formulas, Numba and JAX the same series; *CasADi* derives them and generates C, which is compiled like the rest.",
         "Each kernel in C is built with each installed compiler, with `-O3 -march=native`, with and without `-ffast-math`; the fastest counts, and all are listed below.",
