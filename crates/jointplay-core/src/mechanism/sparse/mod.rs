@@ -5,6 +5,7 @@
 
 mod block_cholesky;
 mod coupling;
+mod least_values;
 mod linear;
 mod mobility;
 mod motion;
