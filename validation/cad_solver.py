@@ -126,7 +126,7 @@ def main() -> None:
         file = Path(scratch) / "slider-crank.asmt"
         file.write_text(model.to_asmt())
         imported = file.with_suffix(".toml")
-        answer(command, "import", file, "--units", "m", "--output", imported)
+        answer(command, "import", file, "--units", "m", "--out", imported)
         drive = f"drive=0:{1.5 * found.times[-1]!r}"
         moved = answer(command, "move", imported, "--drive", drive, "--steps", len(found.times) - 1, "--poses")
     differences = [
@@ -146,7 +146,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         robots = {name: Path(scratch) / f"{name}.toml" for name in MODELS}
         for name, file in robots.items():
-            answer(command, "import", "gpr", "--virtualization", name, "--output", file)
+            answer(command, "import", "gpr", "--virtualization", name, "--out", file)
         for k, share in enumerate(found.times):
             row = gaps(found, k)
             at = ",".join(f"rod {rod + 1}={share * stroke!r}" for rod, stroke in enumerate(STROKES))

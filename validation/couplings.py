@@ -127,7 +127,7 @@ def compare(name: str, command: str, file: Path, drive: str, poses_of, counts: t
 def imported(command: str, folder: Path, model: Path, *words: str) -> Path:
     file = folder / f"{model.stem}.toml"
     done = subprocess.run(
-        [command, "--quiet", "import", str(model), *words, "--output", str(file)], capture_output=True, text=True, check=False
+        [command, "--quiet", "import", str(model), *words, "--out", str(file)], capture_output=True, text=True, check=False
     )
     if done.returncode != 0:
         sys.exit(f"import of {model.name}: {done.stderr}")

@@ -123,7 +123,7 @@ def jointplay(command: str, folder: Path, scratch: Path) -> dict[str, object] | 
     loops = ["--loops", str(folder / "robot.yaml")]
     urdf = str(folder / "robot.urdf")
     done = subprocess.run(
-        [command, "--quiet", "import", urdf, *loops, "--output", str(file)], capture_output=True, text=True, check=False
+        [command, "--quiet", "import", urdf, *loops, "--out", str(file)], capture_output=True, text=True, check=False
     )
     if done.returncode == 0:
         done = subprocess.run(

@@ -48,9 +48,9 @@ fn taught_frames_agree_with_nonlinear_least_squares() {
         near(case, "height_at_700_0", origin.z, expected("height_at_700_0"), OF_POSITION);
         let known = plane.uncertainty.as_ref().unwrap();
         relative("height_deviation", known.height_deviation(&origin));
-        relative("chi_square", plane.chi_square.unwrap());
-        relative("leverage_1", plane.diagnostics[0].leverage);
-        relative("leverage_2", plane.diagnostics[1].leverage);
+        relative("chi_square", plane.agreement.chi_square.unwrap());
+        relative("leverage_1", plane.agreement.diagnostics[0].leverage);
+        relative("leverage_2", plane.agreement.diagnostics[1].leverage);
 
         let measured = rows("reference");
         let reference = |row: &&Row| ReferencePoint {
@@ -70,6 +70,6 @@ fn taught_frames_agree_with_nonlinear_least_squares() {
         relative("shift_x_deviation", known.center.hypot(known.turn * y));
         relative("shift_y_deviation", known.center.hypot(known.turn * x));
         relative("turn_deviation", known.turn);
-        relative("reference_chi_square", found.chi_square.unwrap());
+        relative("reference_chi_square", found.agreement.chi_square.unwrap());
     }
 }

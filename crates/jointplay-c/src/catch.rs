@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use jointplay::Error;
 use jointplay::format::explain::explain;
+use jointplay::format::json::JsonError;
 
 use crate::status::{JP_BAD_INPUT, JP_INTERNAL, JP_NO_ANSWER, JP_OK};
 
@@ -48,6 +49,13 @@ impl From<&Error> for Failure {
     fn from(error: &Error) -> Self {
         let text = explain(error);
         if error.is_infeasible() { Self::no_answer(text) } else { Self::input(text) }
+    }
+}
+
+impl From<JsonError> for Failure {
+    #[cold]
+    fn from(error: JsonError) -> Self {
+        Self::input(format!("request: {error}"))
     }
 }
 

@@ -5,7 +5,6 @@
 
 mod block;
 mod catch;
-mod fields;
 pub mod fmi;
 mod mechanism;
 mod motion_request;

@@ -1,5 +1,7 @@
 //! Requests in JSON about motions, and virtual joints that make them possible.
 
+use std::collections::BTreeMap;
+
 use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::MechanismFile;
 use jointplay::mechanism::{
@@ -9,9 +11,12 @@ use jointplay::mechanism::{
 };
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, MotionReport, SuggestReport};
+use serde::Deserialize;
 
 use crate::catch::Failure;
-use crate::fields::{Fields, Values, needed};
+
+/// Joint coordinates by name (m, rad).
+pub(crate) type Values = BTreeMap<String, f64>;
 
 /// Steps of a motion if the request has no number, as of the command.
 const STEPS: usize = 60;
@@ -45,30 +50,21 @@ impl Named<'_> {
 }
 
 /// A straight motion of joints from a closed configuration.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Move {
     /// Commanded coordinates at the start; the closed configuration of the file, if there are none.
-    at: Values,
+    at: Option<Values>,
     /// Values at the end.
     to: Values,
     steps: Option<usize>,
     /// Motors that follow, instead of being held.
-    free: Vec<String>,
+    free: Option<Vec<String>>,
     /// Whether the answer has the poses of links and attached frames.
-    poses: bool,
+    poses: Option<bool>,
 }
 
 impl Move {
-    pub(crate) fn read(fields: Fields) -> Result<Self, Failure> {
-        let mut fields = fields.only(&["at", "to", "steps", "free", "poses"])?;
-        Ok(Self {
-            at: fields.values("at")?.unwrap_or_default(),
-            to: needed("to", fields.values("to")?)?,
-            steps: fields.whole("steps")?,
-            free: fields.texts("free")?.unwrap_or_default(),
-            poses: fields.truth("poses")?,
-        })
-    }
-
     pub(crate) fn answer(&self, named: Named<'_>) -> Result<MotionReport, Failure> {
         let steps = self.steps.unwrap_or(STEPS);
         if !(1..=MOST_STEPS).contains(&steps) {
@@ -81,9 +77,13 @@ impl Move {
         }
         let mechanism = &named.file.mechanism;
         let targets = named.commands(&self.to)?;
-        let free = self.free.iter().map(|name| named.index(name));
+        let free = self.free.iter().flatten().map(|name| named.index(name));
         let free = free.collect::<Result<Vec<usize>, _>>()?;
-        let start = pose_commanded(mechanism, &named.commands(&self.at)?, None)?;
+        let start = pose_commanded(
+            mechanism,
+            &named.commands(self.at.as_ref().unwrap_or(&Values::new()))?,
+            None,
+        )?;
         let start = start.closed.coordinates;
         let drives: Vec<Drive> =
             targets.iter().map(|&(coordinate, to)| Drive { coordinate, to }).collect();
@@ -92,7 +92,7 @@ impl Move {
         held.retain(|k| !free.contains(k));
         let moved = drive_from(mechanism, &start, &path, &held, steps, None, &mut |_| ())?;
         let report = report::motion(named.file, path.coordinates(), &held, None, &moved);
-        if !self.poses {
+        if self.poses != Some(true) {
             return Ok(report);
         }
         report.with_poses(named.file, &moved).map_err(Failure::from)
@@ -100,40 +100,36 @@ impl Move {
 }
 
 /// Virtual joints that make commands possible.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Suggest {
     /// Commands to the same coordinates; small ones to each motor, if there are none.
-    commands: Vec<Values>,
+    commands: Option<Vec<Values>>,
     limit: Option<usize>,
     joints: Option<usize>,
-    symmetric: bool,
-    rank: SuggestionRank,
-    /// N/m and N m/rad
-    stiffness: LinearAndAngular,
+    symmetric: Option<bool>,
+    rank: Option<RankName>,
+    stiffness: Option<Stiffness>,
+}
+
+/// Order of the suggested sets.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum RankName {
+    Norm,
+    Largest,
+    Stiffness,
+}
+
+/// Stiffness of the virtual joints (N/m, N m/rad).
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stiffness {
+    linear: Option<f64>,
+    angular: Option<f64>,
 }
 
 impl Suggest {
-    pub(crate) fn read(fields: Fields) -> Result<Self, Failure> {
-        let known = ["commands", "limit", "joints", "symmetric", "rank", "stiffness"];
-        let mut fields = fields.only(&known)?;
-        let ranks = [
-            ("norm", SuggestionRank::Norm),
-            ("largest", SuggestionRank::Largest),
-            ("stiffness", SuggestionRank::Stiffness),
-        ];
-        let mut stiffness = fields.object("stiffness", &["linear", "angular"])?;
-        Ok(Self {
-            commands: fields.lists_of_values("commands")?,
-            limit: fields.whole("limit")?,
-            joints: fields.whole("joints")?,
-            symmetric: fields.truth("symmetric")?,
-            rank: fields.word("rank", &ranks)?.unwrap_or(SuggestionRank::Norm),
-            stiffness: LinearAndAngular {
-                linear: stiffness.number("linear")?,
-                angular: stiffness.number("angular")?,
-            },
-        })
-    }
-
     pub(crate) fn answer(&self, named: Named<'_>) -> Result<SuggestReport, Failure> {
         let mut file = named.file.clone();
         // The search replaces the virtual joints of the file.
@@ -161,14 +157,20 @@ impl Suggest {
                 Err(Failure::input(format!("{name} stiffness must be positive, got {value}")))
             }
         };
+        let stiffness = self.stiffness.unwrap_or_default();
         let options = SuggestOptions {
             limit: self.limit.unwrap_or(defaults.limit),
             joints: self.joints,
-            symmetric_only: self.symmetric,
-            rank: self.rank,
+            symmetric_only: self.symmetric.unwrap_or(defaults.symmetric_only),
+            rank: match self.rank {
+                Some(RankName::Norm) => SuggestionRank::Norm,
+                Some(RankName::Largest) => SuggestionRank::Largest,
+                Some(RankName::Stiffness) => SuggestionRank::Stiffness,
+                None => defaults.rank,
+            },
             stiffness: LinearAndAngular {
-                linear: positive("linear", self.stiffness.linear)?,
-                angular: positive("angular", self.stiffness.angular)?,
+                linear: positive("linear", stiffness.linear)?,
+                angular: positive("angular", stiffness.angular)?,
             },
         };
         let Commands { commanded, values } = &commands;
@@ -192,10 +194,11 @@ impl Suggest {
     }
 
     fn commands(&self, named: Named<'_>) -> Result<Option<Commands>, Failure> {
-        let Some(first) = self.commands.first() else { return Ok(None) };
+        let all = self.commands.as_deref().unwrap_or_default();
+        let Some(first) = all.first() else { return Ok(None) };
         let commanded: Vec<usize> = named.commands(first)?.into_iter().map(|(k, _)| k).collect();
-        let mut values = Vec::with_capacity(self.commands.len());
-        for command in &self.commands {
+        let mut values = Vec::with_capacity(all.len());
+        for command in all {
             let command = named.commands(command)?;
             if command.is_empty() || !command.iter().map(|(k, _)| k).eq(&commanded) {
                 let text =

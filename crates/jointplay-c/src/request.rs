@@ -3,6 +3,7 @@
 use std::ffi::CString;
 
 use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::json;
 use jointplay::format::mechanism::MechanismFile;
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::mechanism::{
@@ -14,12 +15,72 @@ use jointplay::report;
 use jointplay::sensitivity::commanded_sensitivity;
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::catch::Failure;
-use crate::fields::{Fields, Values, needed};
-use crate::motion_request::{Move, Named, Suggest};
+use crate::motion_request::{Move, Named, Suggest, Values};
 use crate::virtualization::named;
+
+/// Rod lengths, and the virtual joints that take up the play.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Forward {
+    rods_m: [f64; 3],
+    virtualization: Option<String>,
+}
+
+/// A tilt; level at the working height, if not given.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Inverse {
+    azimuth_rad: Option<f64>,
+    tilt_rad: Option<f64>,
+    height_m: Option<f64>,
+    virtualization: Option<String>,
+}
+
+/// Rod lengths, of the level platform at the working height if not given; also with play, if a virtualization is given.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RobotMobility {
+    rods_m: Option<[f64; 3]>,
+    virtualization: Option<String>,
+}
+
+/// A tilt that the joint play makes possible.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TiltPlay {
+    azimuth_rad: Option<f64>,
+    tilt_rad: f64,
+    height_m: Option<f64>,
+    virtualization: Option<String>,
+}
+
+/// Commanded coordinates; the closed configuration of the file, if there are none.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Configuration {
+    at: Option<Values>,
+}
+
+/// Derivatives at a configuration.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Jacobian {
+    at: Option<Values>,
+    /// The actuated coordinates, if not given.
+    commanded: Option<Vec<String>>,
+    /// The attached frames or else the links, if not given.
+    frames: Option<Vec<String>>,
+}
+
+/// A command that the virtual joints make possible.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sensitivity {
+    command: Values,
+}
 
 fn document(report: &impl Serialize) -> Result<CString, Failure> {
     let text = serde_json::to_string(report).map_err(|error| Failure::internal(error.to_string()));
@@ -30,36 +91,33 @@ fn document(report: &impl Serialize) -> Result<CString, Failure> {
 pub(crate) fn of_robot(gpr: &Gpr, request: &str) -> Result<CString, Failure> {
     let options = SolveOptions::default();
     let height = |given: Option<f64>| AxisHeight(given.unwrap_or(gpr.working_height()));
-    let mut fields = Fields::of_request(request)?;
-    let tilted = ["azimuth_rad", "tilt_rad", "height_m", "virtualization"];
-    match fields.kind(&["forward", "inverse", "mobility", "sensitivity"])? {
+    let known = &["forward", "inverse", "mobility", "sensitivity"];
+    let (kind, request) = json::request_of_kind(request.as_bytes(), known)?;
+    match kind {
         "forward" => {
-            let mut fields = fields.only(&["rods_m", "virtualization"])?;
-            let rods = needed("rods_m", fields.three("rods_m")?)?;
-            let model = named(fields.text("virtualization")?.as_deref())?;
-            let pose = gpr.forward(rods, model, &options)?;
+            let request: Forward = json::read_value(request, "")?;
+            let model = named(request.virtualization.as_deref())?;
+            let pose = gpr.forward(request.rods_m, model, &options)?;
             document(&report::forward(gpr, &pose, model, &[]))
         }
         "inverse" => {
-            let mut fields = fields.only(&tilted)?;
-            let azimuth = fields.number("azimuth_rad")?.unwrap_or(0.0);
-            let angle = fields.number("tilt_rad")?.unwrap_or(0.0);
-            let height = height(fields.number("height_m")?);
-            let model = named(fields.text("virtualization")?.as_deref())?;
-            let rods = gpr.inverse(Tilt { azimuth, angle }, height)?;
+            let request: Inverse = json::read_value(request, "")?;
+            let azimuth = request.azimuth_rad.unwrap_or(0.0);
+            let angle = request.tilt_rad.unwrap_or(0.0);
+            let model = named(request.virtualization.as_deref())?;
+            let rods = gpr.inverse(Tilt { azimuth, angle }, height(request.height_m))?;
             let pose = gpr.forward(rods, model, &options)?;
             document(&report::forward(gpr, &pose, model, &[]))
         }
         "mobility" => {
-            let mut fields = fields.only(&["rods_m", "virtualization"])?;
-            // Level at the working height, if not given.
+            let request: RobotMobility = json::read_value(request, "")?;
             let level = || gpr.inverse(Tilt::LEVEL, height(None));
-            let rods = fields.three("rods_m")?.map_or_else(level, Ok)?;
+            let rods = request.rods_m.map_or_else(level, Ok)?;
             // Rigid links: the choice of virtualization makes no difference.
             let pose = gpr.forward(rods, &Planar, &options)?;
             let rigid = gpr.system(&Planar);
             let finite = finite_mobility(&rigid, &rigid.configuration(&pose), RANK_THRESHOLD)?;
-            let augmented = match fields.text("virtualization")? {
+            let augmented = match request.virtualization {
                 None => None,
                 Some(name) => {
                     let model = named(Some(&name))?;
@@ -73,11 +131,10 @@ pub(crate) fn of_robot(gpr: &Gpr, request: &str) -> Result<CString, Failure> {
             document(&report::mobility(&pose, kutzbach, &finite, augmented, &[]))
         }
         _ => {
-            let mut fields = fields.only(&tilted)?;
-            let azimuth = fields.number("azimuth_rad")?.unwrap_or(0.0);
-            let angle = needed("tilt_rad", fields.number("tilt_rad")?)?;
-            let height = height(fields.number("height_m")?);
-            let model = named(fields.text("virtualization")?.as_deref())?;
+            let request: TiltPlay = json::read_value(request, "")?;
+            let (azimuth, angle) = (request.azimuth_rad.unwrap_or(0.0), request.tilt_rad);
+            let model = named(request.virtualization.as_deref())?;
+            let height = height(request.height_m);
             let play = gpr.tilt_play(Tilt { azimuth, angle }, height, model, &options)?;
             document(&report::sensitivity(gpr, &play, model, &[]))
         }
@@ -94,23 +151,26 @@ pub(crate) fn of_mechanism(
     let of_file = Named { file, coordinates };
     let index = |name: &String| of_file.index(name);
     let commands = |values: &Values| of_file.commands(values);
-    let mut fields = Fields::of_request(request)?;
-    let known = ["assemble", "mobility", "jacobian", "sensitivity", "move", "suggest"];
-    match fields.kind(&known)? {
+    let known = &["assemble", "mobility", "jacobian", "sensitivity", "move", "suggest"];
+    let (kind, request) = json::request_of_kind(request.as_bytes(), known)?;
+    match kind {
         "assemble" => {
-            let at = fields.only(&["at"])?.values("at")?.unwrap_or_default();
+            let request: Configuration = json::read_value(request, "")?;
+            let at = request.at.unwrap_or_default();
             let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
             let relief = posed.relief.as_ref();
             document(&report::assembly(file, &posed.closed, relief, None, None))
         }
         "mobility" if !MechanismSystem::fits(mechanism) => {
-            let at = fields.only(&["at"])?.values("at")?.unwrap_or_default();
+            let request: Configuration = json::read_value(request, "")?;
+            let at = request.at.unwrap_or_default();
             let (system, _) = close_sparse(mechanism, &commands(&at)?)?;
             let found = system.mobility(RANK_THRESHOLD)?;
             document(&report::sparse_mobility(file, &system, &found))
         }
         "mobility" => {
-            let at = fields.only(&["at"])?.values("at")?.unwrap_or_default();
+            let request: Configuration = json::read_value(request, "")?;
+            let at = request.at.unwrap_or_default();
             let posed = pose_commanded(mechanism, &commands(&at)?, None)?;
             let values = &posed.closed.coordinates;
             let system = MechanismSystem::new(mechanism, values.clone())?;
@@ -120,11 +180,9 @@ pub(crate) fn of_mechanism(
             document(&report?)
         }
         "jacobian" => {
-            let mut fields = fields.only(&["at", "commanded", "frames"])?;
-            let at = fields.values("at")?.unwrap_or_default();
-            let frames = fields.texts("frames")?;
-            // The actuated ones, if not given; attached frames, or else links.
-            let commanded = match fields.texts("commanded")? {
+            let request: Jacobian = json::read_value(request, "")?;
+            let at = request.at.unwrap_or_default();
+            let commanded = match request.commanded {
                 None => mechanism.actuated_coordinates(),
                 Some(names) => names.iter().map(index).collect::<Result<Vec<usize>, _>>()?,
             };
@@ -133,7 +191,7 @@ pub(crate) fn of_mechanism(
                 let name = &coordinates.all()[commanded[n]].name;
                 return Err(Failure::input(format!("commanded names {name:?} twice")));
             }
-            let frames = match frames {
+            let frames = match request.frames {
                 None if mechanism.frames().is_empty() => {
                     (1..mechanism.links().len()).map(FrameId::Link).collect()
                 }
@@ -163,11 +221,10 @@ pub(crate) fn of_mechanism(
                 Err(error) => Err(Failure::no_answer(error.to_string())),
             }
         }
-        "move" => document(&Move::read(fields)?.answer(of_file)?),
-        "suggest" => document(&Suggest::read(fields)?.answer(of_file)?),
+        "move" => document(&json::read_value::<Move>(request, "")?.answer(of_file)?),
+        "suggest" => document(&json::read_value::<Suggest>(request, "")?.answer(of_file)?),
         _ => {
-            let command = fields.only(&["command"])?.values("command")?;
-            let command = needed("command", command)?;
+            let Sensitivity { command } = json::read_value(request, "")?;
             if mechanism.virtual_joints().is_empty() || command.is_empty() {
                 let text = "sensitivity needs a mechanism with virtual joints, and a command";
                 return Err(Failure::input(text));

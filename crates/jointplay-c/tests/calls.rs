@@ -379,3 +379,48 @@ fn null_and_unknown_input_are_errors() {
         jp_robot_free(robot);
     }
 }
+
+/// The answer to a request about the robot, or the error.
+fn asked(robot: *const JpRobot, request: &str) -> Result<String, String> {
+    let (request, mut answer) = (CString::new(request).unwrap(), null_mut());
+    // SAFETY: a robot, a text, and room for an answer, which is freed once.
+    unsafe {
+        if jp_robot_json(robot, request.as_ptr(), &raw mut answer) != JP_OK {
+            return Err(last_error());
+        }
+        let text = CStr::from_ptr(answer).to_str().unwrap().to_owned();
+        jp_text_free(answer);
+        Ok(text)
+    }
+}
+
+/// Before, these were words of Rust without the field.
+#[test]
+fn errors_of_requests_name_the_field_what_it_is_and_what_is_allowed() {
+    let robot = paper();
+    for (request, message) in [
+        (
+            "[]",
+            "request: expected an object with a `kind` of \"forward\", \"inverse\", \"mobility\", \"sensitivity\", got a list",
+        ),
+        (r#"{"kind": "forward"}"#, "request: missing field `rods_m`"),
+        (
+            r#"{"kind": "forward", "rods_m": [0.5, true, 0.5]}"#,
+            "request: `rods_m[1]`: expected a number, got true",
+        ),
+        (
+            r#"{"kind": "inverse", "tilt_ra": 0.01}"#,
+            "request: `tilt_ra`: unknown field `tilt_ra` (did you mean `tilt_rad`?); known: azimuth_rad, tilt_rad, height_m, virtualization",
+        ),
+        (
+            r#"{"kind": "inverse", "tilt_rad": 0.01, "tilt_rad": 0.02}"#,
+            "request: not valid JSON: \"tilt_rad\" is given twice",
+        ),
+    ] {
+        let error = asked(robot, request).err().unwrap();
+        assert!(error.starts_with(message), "{error}");
+    }
+    assert!(asked(robot, r#"{"kind": "inverse", "tilt_rad": 0.01, "height_m": null}"#).is_ok());
+    // SAFETY: not used after this.
+    unsafe { jp_robot_free(robot) };
+}

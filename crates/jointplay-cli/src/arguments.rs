@@ -273,12 +273,20 @@ pub(crate) struct Rods(pub(crate) [f64; 3]);
 #[derive(Clone)]
 pub(crate) struct Steps(pub(crate) Vec<f64>);
 
-/// An integer within bounds.
+/// A whole number within bounds.
 pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Result<N, String> {
     let value = text.trim().parse().ok().filter(|value| (least..=most).contains(value));
-    value.and_then(|value| N::try_from(value).ok()).ok_or_else(|| {
-        format!("invalid value {text:?}: expected an integer from {least} to {most}")
-    })
+    value
+        .and_then(|value| N::try_from(value).ok())
+        .ok_or_else(|| format!("expected a whole number from {least} to {most}"))
+}
+
+/// A whole number from 1.
+pub(crate) fn positive_whole<N: TryFrom<u64>>(text: &str) -> Result<N, String> {
+    let value = text.trim().parse().ok().filter(|&value: &u64| value > 0);
+    value
+        .and_then(|value| N::try_from(value).ok())
+        .ok_or_else(|| "expected a whole number from 1".to_owned())
 }
 
 /// An azimuth in radians; full turns are removed before the conversion, where they are exact.
@@ -305,7 +313,8 @@ pub(crate) fn tilt_angle(text: &str) -> Result<f64, String> {
     within_right_angle(value).map(|()| value)
 }
 
-fn within_right_angle(tilt_angle: f64) -> Result<(), String> {
+/// Checks a tilt angle (deg).
+pub(crate) fn within_right_angle(tilt_angle: f64) -> Result<(), String> {
     if tilt_angle.abs() < 90.0 {
         Ok(())
     } else {

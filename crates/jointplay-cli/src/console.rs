@@ -5,17 +5,20 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use clap::{Args, ColorChoice};
 
+/// Heading of these flags in the help, after those of the command itself.
+const HEADING: &str = "Options of every command";
+
 /// Flags of every command that control notes and colours.
 #[derive(Args)]
 pub(crate) struct ConsoleArgs {
     /// Print only the answer and errors, without progress and notes
-    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    #[arg(short, long, global = true, help_heading = HEADING, conflicts_with = "verbose")]
     quiet: bool,
     /// Report files read and written, and the elapsed time, on standard error
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, help_heading = HEADING)]
     verbose: bool,
     /// Use colours in the output
-    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value = "auto")]
+    #[arg(long, global = true, help_heading = HEADING, value_enum, value_name = "WHEN", default_value = "auto")]
     color: ColorChoice,
 }
 

@@ -15,6 +15,7 @@
 //! | read a study file | [`study::parse`] |
 //! | evaluate an expression of named numbers | [`expression::Formula`] |
 //! | read `FROM:TO:STEP` | [`steps::parse`] |
+//! | read a request in JSON | [`json::read`] |
 //! | convert units without changing decimals | [`units`] |
 //! | state an error of the core in mm and degrees | [`explain::explain`] |
 //! | format a number or a count for a message | [`number::number`], [`number::counted`] |
@@ -31,6 +32,7 @@ pub mod coordinates;
 pub mod explain;
 pub mod expression;
 pub mod file_problem;
+pub mod json;
 pub mod mechanism;
 pub mod number;
 pub mod place;

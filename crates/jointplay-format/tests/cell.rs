@@ -429,7 +429,7 @@ fn an_edit_replaces_the_previous_definition_of_the_frame() {
     };
     assert!(matches!(of(&[Change::Tilt(Tilt::LEVEL)]).origin, Origin::Nominal));
     let Origin::Taught(found) = of(&[taught(0.621)]).origin else { panic!() };
-    assert_eq!(found.plane.unwrap().threshold, 5e-5);
+    assert_eq!(found.plane.unwrap().agreement.threshold, 5e-5);
     let text = set_station(EXAMPLE, "LP1", &[carrier_axis]).unwrap();
     assert!(matches!(
         read(&text, &mut no_files).unwrap().stations[0].origin,

@@ -122,7 +122,7 @@ fn an_edit_of_inherited_values_changes_the_station_and_not_its_template() {
     let Origin::Taught(found) = station(&taught, "P2").origin else { panic!("{taught}") };
     let plane = found.plane.unwrap();
     assert_eq!(plane.points, points);
-    assert_eq!(plane.noise.unwrap(), [3e-6; 3]);
+    assert_eq!(plane.agreement.noise.unwrap(), [3e-6; 3]);
     let Change::Taught { points, threshold, .. } = change else { panic!() };
     let noise = Some(TaughtNoise::Equal(1e-6));
     let change = Change::Taught { points, threshold, noise };

@@ -32,16 +32,19 @@ fn noise_is_that_of_all_points_of_each_or_of_a_sensor() {
         Origin::Taught(taught) => taught.plane.clone().unwrap(),
         _ => panic!("not taught"),
     };
-    assert_eq!(plane(&format!("noise_um = 2, {PLANE}")).noise.unwrap(), [2e-6; 5]);
+    assert_eq!(plane(&format!("noise_um = 2, {PLANE}")).agreement.noise.unwrap(), [2e-6; 5]);
     let each = plane(&format!("noise_um = [2, 2, 4, 2, 8], {PLANE}"));
-    assert_eq!(each.noise.unwrap(), [2e-6, 2e-6, 4e-6, 2e-6, 8e-6]);
+    assert_eq!(each.agreement.noise.unwrap(), [2e-6, 2e-6, 4e-6, 2e-6, 8e-6]);
     let sensors = "[[sensor]]\nname = \"probe\"\nnoise_um = 3\n\n[[sensor]]\nname = \"laser\"\nnoise_um = 1\n";
     let with = |taught: &str| text(taught).replacen("[wafer]", &format!("{sensors}\n[wafer]"), 1);
     let sensor = cell(&with(&format!(
         "sensor = [\"probe\", \"probe\", \"laser\", \"probe\", \"probe\"], {PLANE}"
     )));
     let Origin::Taught(taught) = &sensor.unwrap().stations[3].origin else { panic!() };
-    assert_eq!(taught.plane.as_ref().unwrap().noise.as_ref().unwrap()[1..3], [3e-6, 1e-6]);
+    assert_eq!(
+        taught.plane.as_ref().unwrap().agreement.noise.as_ref().unwrap()[1..3],
+        [3e-6, 1e-6]
+    );
     let unknown = cell(&with(&format!("sensor = \"prob\", {PLANE}"))).unwrap_err();
     assert!(unknown.contains("did you mean") && unknown.contains("probe"), "{unknown}");
 }
@@ -58,7 +61,7 @@ fn references_move_and_turn_the_station() {
     assert!((inward.y - 1e-3).abs() < 1e-6, "{inward}");
     assert_eq!(found.uncertainty.known, [true, true, false, false, false, true]);
     let Origin::Taught(taught) = &found.origin else { panic!() };
-    assert_eq!(taught.references.as_ref().unwrap().result, FitResult::Untested);
+    assert_eq!(taught.references.as_ref().unwrap().agreement.result, FitResult::Untested);
     // Nominal parts can have a stated uncertainty.
     let stated = text("references = [{ measured_mm = [700.2, 0.1, 620] }]").replacen(
         "retract_mm",

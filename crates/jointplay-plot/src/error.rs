@@ -83,7 +83,7 @@ pub enum Error {
         axis: String,
     },
     /// A width, height or line width is outside what can be drawn.
-    #[error("{what} is {found} px, outside {min} px to {max} px")]
+    #[error("{what} is {} px, outside {min} px to {max} px", short(*.found))]
     Size {
         /// Which size, such as `width of the figure`.
         what: &'static str,
@@ -95,7 +95,7 @@ pub enum Error {
         max: f64,
     },
     /// The text of a figure would be too small or too large.
-    #[error("text scale is {found}, but has to lie from {min} to {max}")]
+    #[error("text scale is {}, but has to lie from {min} to {max}", short(*.found))]
     TextScale {
         /// The factor found.
         found: f64,
@@ -149,4 +149,9 @@ impl From<jointplay_core::Error> for Error {
     fn from(error: jointplay_core::Error) -> Self {
         Self::Coordinates(Box::new(error))
     }
+}
+
+/// A number without hundreds of digits.
+fn short(number: f64) -> String {
+    if number.abs() < 1e16 { number.to_string() } else { format!("{number:e}") }
 }

@@ -235,15 +235,19 @@ fn plane(cell: &Cell, station: &Station, fit: &PlaneFit) -> PlaneReport {
     let (allowed, factor) = (cell.plane_threshold, cell.coverage_factor);
     PlaneReport {
         distances_um: fit.distances.iter().map(|&one| um(one)).collect(),
-        leverages: fit.diagnostics.iter().map(|one| one.leverage).collect(),
-        standardized: fit.diagnostics.iter().map(|one| one.standardized).collect(),
+        leverages: fit.agreement.diagnostics.iter().map(|one| one.leverage).collect(),
+        standardized: fit.agreement.diagnostics.iter().map(|one| one.standardized).collect(),
         residual_um: um(fit.residual),
-        worst_um: um(fit.worst),
-        threshold_um: um(fit.threshold),
-        freedom: fit.redundancy,
-        noise_um: fit.noise.as_ref().map(|noise| noise.iter().map(|&one| um(one)).collect()),
-        chi_square: fit.chi_square,
-        chi_square_limit: fit.chi_square_limit,
+        worst_um: um(fit.agreement.worst),
+        threshold_um: um(fit.agreement.threshold),
+        freedom: fit.agreement.redundancy,
+        noise_um: fit
+            .agreement
+            .noise
+            .as_ref()
+            .map(|noise| noise.iter().map(|&one| um(one)).collect()),
+        chi_square: fit.agreement.chi_square,
+        chi_square_limit: fit.agreement.chi_square_limit,
         uncertainty: fit.uncertainty.as_ref().map(|known| UncertaintyReport {
             noise_um: um(known.noise),
             estimated: known.is_estimated,
@@ -268,15 +272,19 @@ fn references(fit: &ReferenceFit) -> ReferenceReport {
         shift_mm: [mm(fit.shift.x), mm(fit.shift.y)],
         turn_deg: fit.turn.map(deg),
         deviations_um: fit.deviations.iter().map(|one| um(one.norm())).collect(),
-        leverages: fit.diagnostics.iter().map(|one| one.leverage).collect(),
-        standardized: fit.diagnostics.iter().map(|one| one.standardized).collect(),
-        worst_um: um(fit.worst),
-        threshold_um: um(fit.threshold),
-        freedom: fit.redundancy,
-        noise_um: fit.noise.as_ref().map(|noise| noise.iter().map(|&one| um(one)).collect()),
-        chi_square: fit.chi_square,
-        chi_square_limit: fit.chi_square_limit,
-        result: result(fit.result),
+        leverages: fit.agreement.diagnostics.iter().map(|one| one.leverage).collect(),
+        standardized: fit.agreement.diagnostics.iter().map(|one| one.standardized).collect(),
+        worst_um: um(fit.agreement.worst),
+        threshold_um: um(fit.agreement.threshold),
+        freedom: fit.agreement.redundancy,
+        noise_um: fit
+            .agreement
+            .noise
+            .as_ref()
+            .map(|noise| noise.iter().map(|&one| um(one)).collect()),
+        chi_square: fit.agreement.chi_square,
+        chi_square_limit: fit.agreement.chi_square_limit,
+        result: result(fit.agreement.result),
         missing: fit.missing(),
     }
 }

@@ -1,4 +1,6 @@
 //! Compression of responses for slow connections, such as tunnels to other machines.
+//!
+//! It takes place on another thread: the middleware of `tower-http` would compress on the only one that answers requests, which would wait.
 
 use std::io::Write as _;
 
@@ -19,10 +21,15 @@ pub(crate) async fn compress(request: Request, next: Next) -> Response {
     let response = next.run(request).await;
     let size = response.body().size_hint().exact();
     let is_compressed = response.headers().contains_key(header::CONTENT_ENCODING);
-    if !accepts || is_compressed || !size.is_some_and(|size| COMPRESSED_BYTES.contains(&size)) {
+    if is_compressed || !size.is_some_and(|size| COMPRESSED_BYTES.contains(&size)) {
         return response;
     }
     let (mut head, body) = response.into_parts();
+    // Also of responses that are not compressed: a cache must not send one of both for the other.
+    head.headers.append(header::VARY, HeaderValue::from_static("accept-encoding"));
+    if !accepts {
+        return Response::from_parts(head, body);
+    }
     let Ok(bytes) = to_bytes(body, usize::MAX).await else {
         return StatusCode::INTERNAL_SERVER_ERROR.into_response();
     };
@@ -31,7 +38,6 @@ pub(crate) async fn compress(request: Request, next: Next) -> Response {
     let body = match compressed {
         Some(compressed) if compressed.len() < bytes.len() => {
             head.headers.insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
-            head.headers.append(header::VARY, HeaderValue::from_static("accept-encoding"));
             head.headers.remove(header::CONTENT_LENGTH);
             Body::from(compressed)
         }

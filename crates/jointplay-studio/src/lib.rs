@@ -20,7 +20,7 @@
 //! | `mechanism_file.rs` | the mechanism that the server was started with |
 //! | `mechanism_source.rs`, `configuration.rs` | mechanisms of requests, and their configurations as documents |
 //! | `meshes.rs` | mesh files named in the robot file |
-//! | `body.rs`, `strict.rs` | strict JSON bodies, each error with its field |
+//! | `body.rs` | bodies of requests in JSON |
 //! | `guard.rs` | access control: hosts, origins, security headers, deadline |
 //! | `page.rs` | the built page, embedded |
 //! | `work.rs` | computations on worker threads |
@@ -46,7 +46,6 @@ mod routes;
 mod server;
 mod session;
 mod state;
-mod strict;
 mod study;
 #[cfg(test)]
 mod tests;

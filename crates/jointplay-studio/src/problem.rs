@@ -4,6 +4,7 @@ use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jointplay::format::explain::explain;
+use jointplay::format::json::{self, JsonError};
 use jointplay::gpr::BrokenLimit;
 use jointplay::report::{self, LimitReport};
 use serde::Serialize;
@@ -116,6 +117,17 @@ impl From<jointplay::Error> for Problem {
             Self::new(StatusCode::UNPROCESSABLE_ENTITY, Kind::Input, explain(&error))
         } else {
             Self::new(StatusCode::CONFLICT, Kind::Unsolved, explain(&error))
+        }
+    }
+}
+
+impl From<JsonError> for Problem {
+    fn from(error: JsonError) -> Self {
+        match error.problem {
+            json::Problem::NotJson(_) => {
+                Self::request(StatusCode::BAD_REQUEST, format!("the body is {}", error.problem))
+            }
+            problem => Self::field(error.field, problem.to_string()),
         }
     }
 }

@@ -10,6 +10,7 @@
 //! | file | contents |
 //! | --- | --- |
 //! | `syntax`, `quantity`, `location` | syntax tree |
+//! | `visitor` | traversal of the names and numbers |
 //! | `problem`, `parameter_kind` | errors |
 //! | `resolve`, `resolver`, `scope`, `parameter_kinds`, `effector_choice` | resolution of names in the cell |
 //! | `resolved` | program with its names resolved |
@@ -56,6 +57,7 @@ mod sequence;
 mod step;
 mod syntax;
 mod unreachable;
+mod visitor;
 mod wafer_locations;
 
 pub use bounds::{MAX_CALL_DEPTH, MAX_INSTRUCTIONS};
@@ -74,4 +76,5 @@ pub use syntax::{
     AxisTarget, Branch, Command, Condition, Instruction, Parameter, Program, Relation, Routine,
     SlotName, TiltTarget,
 };
+pub use visitor::ProgramVisitor;
 pub use wafer_locations::{LocationChange, WaferLocation, WaferLocations, WaferStay};

@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use super::parameter_kind::ParameterKind;
 use super::{
-    Command, Condition, Instruction, Name, Number, Program, ProgramError, ProgramProblem, SlotName,
-    SourceLocation,
+    Name, Number, Program, ProgramError, ProgramProblem, ProgramVisitor, SourceLocation, Unit,
 };
 
 /// A parameter, by the indices of its routine and of itself.
@@ -86,105 +85,40 @@ struct Uses<'p> {
     passed: Vec<(usize, ParameterIndex, SourceLocation)>,
 }
 
-impl Uses<'_> {
-    fn block(&mut self, body: &[Instruction]) {
-        for instruction in body {
-            self.command(&instruction.command);
-        }
-    }
-
-    fn command(&mut self, command: &Command) {
-        match command {
-            Command::Home => {}
-            Command::Move { targets } => {
-                targets.iter().for_each(|target| self.number(&target.position.number));
-            }
-            Command::MoveLine { effector, by } => {
-                self.effector(effector.as_ref());
-                by.iter().flatten().for_each(|length| self.number(&length.number));
-            }
-            Command::Get { from: slot, effector }
-            | Command::Put { to: slot, effector }
-            | Command::Goto { to: slot, effector } => {
-                self.slot(slot);
-                self.effector(effector.as_ref());
-            }
-            Command::Transfer { from, to, effector } => {
-                self.slot(from);
-                self.slot(to);
-                self.effector(effector.as_ref());
-            }
-            Command::Swap { at, get, put } => {
-                self.slot(at);
-                self.effector(Some(get));
-                self.effector(Some(put));
-            }
-            Command::Wait { duration: quantity }
-            | Command::Speed { fraction: quantity }
-            | Command::Blend { radius: Some(quantity) } => self.number(&quantity.number),
-            Command::Blend { radius: None } | Command::Tilt { tilt: None } => {}
-            Command::Tilt { tilt: Some(tilt) } => {
-                self.number(&tilt.angle.number);
-                self.number(&tilt.azimuth.number);
-            }
-            Command::Call { routine, arguments } => {
-                let callee = self.routines.get(routine.text.as_str()).map(|(index, _)| *index);
-                for (index, argument) in arguments.iter().enumerate() {
-                    match (argument.expression.as_variable(), callee) {
-                        (Some(name), Some(callee)) => {
-                            if let Some(&at) = self.names.get(name.text.as_str()) {
-                                self.passed.push((at, (callee, index), argument.place));
-                            }
-                        }
-                        (Some(_), None) => {}
-                        (None, _) => self.number(argument),
-                    }
-                }
-            }
-            Command::Repeat { times, body, .. } => {
-                self.number(times);
-                self.block(body);
-            }
-            Command::If { branches, otherwise } => {
-                for branch in branches {
-                    self.condition(&branch.condition);
-                    self.block(&branch.body);
-                }
-                self.block(otherwise);
-            }
-        }
-    }
-
-    fn condition(&mut self, condition: &Condition) {
-        match condition {
-            Condition::Comparison { left, right, .. } => {
-                self.number(left);
-                self.number(right);
-            }
-            Condition::Presence { location, .. } if location.slot.is_some() => self.slot(location),
-            Condition::Presence { location, .. } => {
-                self.name(&location.station, ParameterKind::Location);
-            }
-            Condition::Not(condition) => self.condition(condition),
-            Condition::All(conditions) | Condition::Any(conditions) => {
-                conditions.iter().for_each(|condition| self.condition(condition));
-            }
-        }
-    }
-
-    fn slot(&mut self, slot: &SlotName) {
-        self.name(&slot.station, ParameterKind::Station);
-        slot.slot.iter().for_each(|number| self.number(number));
-    }
-
-    fn effector(&mut self, name: Option<&Name>) {
-        name.into_iter().for_each(|name| self.name(name, ParameterKind::Effector));
-    }
-
-    fn number(&mut self, number: &Number) {
+impl ProgramVisitor for Uses<'_> {
+    fn number(&mut self, number: &Number, _unit: Option<Unit>) {
         number.expression.variables().for_each(|name| self.name(name, ParameterKind::Number));
     }
 
+    fn arguments(&mut self, routine: &Name, arguments: &[Number]) {
+        let callee = self.routines.get(routine.text.as_str()).map(|(index, _)| *index);
+        for (index, argument) in arguments.iter().enumerate() {
+            match (argument.expression.as_variable(), callee) {
+                (Some(name), Some(callee)) => {
+                    if let Some(&at) = self.names.get(name.text.as_str()) {
+                        self.passed.push((at, (callee, index), argument.place));
+                    }
+                }
+                (Some(_), None) => {}
+                (None, _) => self.number(argument, None),
+            }
+        }
+    }
+
+    fn station(&mut self, name: &Name) {
+        self.name(name, ParameterKind::Station);
+    }
+
+    fn location(&mut self, name: &Name) {
+        self.name(name, ParameterKind::Location);
+    }
+
+    fn effector(&mut self, name: &Name) {
+        self.name(name, ParameterKind::Effector);
+    }
+}
+
+impl Uses<'_> {
     fn name(&mut self, name: &Name, kind: ParameterKind) {
         if let Some(&at) = self.names.get(name.text.as_str()) {
             self.kinds.push((at, kind, name.place));

@@ -11,7 +11,7 @@ use jointplay::plot::{Labels, MechanismPicture, View};
 use serde::Serialize;
 
 use super::motion_run::driven;
-use crate::arguments::finite;
+use crate::arguments::{finite, positive_whole};
 use crate::failure::Failure;
 use crate::figure::FigureArgs;
 use crate::mechanism_input::{Input, JointValues, joint_values};
@@ -52,7 +52,7 @@ pub(crate) struct Draw {
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exaggerate: Option<f64>,
     /// Draw redundant constraint N, as numbered by `mobility`: forces and moments of its self-stress on the second links of the joints
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "exaggerate")]
+    #[arg(long, value_name = "N", value_parser = positive_whole::<u32>, conflicts_with = "exaggerate")]
     redundant: Option<u32>,
     /// Direction to the viewer: azimuth and elevation in degrees, with z up
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]

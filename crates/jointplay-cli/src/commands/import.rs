@@ -31,7 +31,7 @@ use crate::{folder, output};
 #[command(after_help = "\
 Examples:
   jointplay import robot.urdf
-  jointplay import robot.urdf --loops loops.toml --output robot.toml
+  jointplay import robot.urdf --loops loops.toml --out robot.toml
   jointplay import robot.urdf --loops loop_closures.yaml
   jointplay import assembly.FCStd
   jointplay import assembly.asmt --units mm
@@ -59,8 +59,8 @@ pub(crate) struct Import {
     #[arg(long, value_name = "FILE")]
     loops: Option<PathBuf>,
     /// Mechanism file to write [default: standard output]
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    #[arg(short, long, alias = "output", value_name = "FILE")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArgs,
     #[command(flatten)]
@@ -208,7 +208,7 @@ impl Import {
         if !self.format.json() {
             output::ignored(&ignored);
         }
-        let path = self.output.as_deref().filter(|path| *path != Path::new(STANDARD));
+        let path = self.out.as_deref().filter(|path| *path != Path::new(STANDARD));
         if let Some(path) = path {
             if let Some(folder) = path.parent() {
                 std::fs::create_dir_all(folder)

@@ -14,6 +14,7 @@ use jointplay::report::MotionParameter;
 
 use super::motion_course::{Course, STEPS};
 use super::motion_table;
+use crate::arguments::whole;
 use crate::failure::Failure;
 use crate::mechanism_input::{Input, split};
 
@@ -35,7 +36,7 @@ pub(crate) struct DriveArgs {
     #[arg(long, value_name = "VARIABLE=FROM:TO[:STEP]", value_parser = over)]
     over: Option<RangeText>,
     /// Number of steps [default: 60]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole::<u32>(text, 1, 100_000))]
     steps: Option<u32>,
     /// Table of values to drive along (CSV): a column for each driven coordinate, headed by its name or name_unit; a first column of another name is the variable
     #[arg(long, value_name = "FILE", conflicts_with_all = ["drives", "over", "steps"])]

@@ -12,7 +12,7 @@ use jointplay::mechanism::{
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, ByName, SetReport, SingleCommandReport, SuggestReport, WrittenSet};
 
-use crate::arguments::finite;
+use crate::arguments::{finite, positive_whole};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, JointValues, MechanismArgs, joint_values};
@@ -44,10 +44,10 @@ pub(crate) struct Suggest {
     #[arg(long, value_name = "JOINT=VALUE,…", value_parser = joint_values)]
     command: Vec<JointValues>,
     /// Largest number of sets to compare
-    #[arg(long, value_name = "N", default_value_t = SuggestOptions::default().limit)]
+    #[arg(long, value_name = "N", default_value_t = SuggestOptions::default().limit, value_parser = positive_whole::<usize>)]
     limit: usize,
     /// Largest number of virtual joints in a set [default: the number of directions to relieve; no limit for symmetric sets]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = positive_whole::<usize>)]
     joints: Option<usize>,
     /// Compare only symmetric sets
     #[arg(long)]
@@ -59,7 +59,7 @@ pub(crate) struct Suggest {
     #[arg(long, value_name = "linear=K,angular=K", value_parser = stiffness)]
     stiffness: Option<LinearAndAngular>,
     /// Write the virtual joints of set N into the mechanism file, in place of its own
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = positive_whole::<u32>)]
     write: Option<u32>,
     /// New mechanism file for --write [default: change the mechanism file itself]
     #[arg(long, value_name = "FILE", requires = "write")]

@@ -177,7 +177,7 @@ fn files_come_from_standard_input_too() {
     let bennett = sandbox.done("catalogue show bennett");
     let (code, out, _) = with_input(&sandbox, "mobility -", &bennett);
     assert_eq!((code, out), (0, sandbox.done("mobility bennett")));
-    let (code, out, _) = with_input(&sandbox, "import - --output -", crate::import::URDF);
+    let (code, out, _) = with_input(&sandbox, "import - --out -", crate::import::URDF);
     assert_eq!(code, 0);
     assert!(out.contains("kind = \"mechanism\""), "{out}");
     let invalid = bennett.replace("joint", "jiont");
@@ -198,7 +198,7 @@ fn no_command_replaces_a_file_unasked() {
         ("compare --figure file.svg", "file.svg"),
         ("draw bennett --figure file.svg", "file.svg"),
         ("cell teach --figure file.svg", "file.svg"),
-        ("import robot.urdf --output file.toml", "file.toml"),
+        ("import robot.urdf --out file.toml", "file.toml"),
         ("catalogue copy bennett .", "bennett.toml"),
         ("cell example --out .", "example.program"),
         ("study study.toml --out file.csv", "file.csv"),
@@ -270,7 +270,7 @@ fn every_command_prints_json() {
     let imported = sandbox.json("import robot.urdf");
     assert_eq!((&imported["model_format"], &imported["file"]), (&"URDF".into(), &Value::Null));
     assert!(imported["text"].as_str().unwrap().contains("kind = \"mechanism\""), "{imported}");
-    assert_eq!(sandbox.json("import robot.urdf --output robot.toml")["file"], "robot.toml");
+    assert_eq!(sandbox.json("import robot.urdf --out robot.toml")["file"], "robot.toml");
     assert_eq!(sandbox.json("cell example --out c")["program"], "c/example.program");
     assert_eq!(sandbox.json("cell format one.program")["changed"], false);
     let summary = sandbox.json("simulate --azimuth-step-deg 360 --virtualization planar");

@@ -15,7 +15,7 @@ fn models_are_written_and_read_again() {
     assert_eq!(files.len(), 2, "{files:?}");
     // The virtual joints are joints now, so that the robot tilts.
     let loops = "--loops models/gpr-mechanism-loops.toml";
-    let run = sandbox.run(&format!("import models/gpr-mechanism.urdf {loops} --output again.toml"));
+    let run = sandbox.run(&format!("import models/gpr-mechanism.urdf {loops} --out again.toml"));
     assert_eq!(run.code, 0, "{}", run.stderr);
     for model in ["models/gpr-mechanism.xml", "models/gpr-mechanism.sdf", "again.toml"] {
         // The reader lists the elements of simulators that it ignores.

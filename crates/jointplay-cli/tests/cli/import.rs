@@ -49,7 +49,7 @@ fn a_model_becomes_a_mechanism_file() {
     let run = sandbox.run("import robot.urdf --loops loops.toml");
     assert_eq!((run.code, run.stderr.as_str()), (0, IGNORED));
     insta::assert_snapshot!("import_robot_urdf", run.stdout);
-    let run = sandbox.run("import robot.urdf --loops loops.toml --output new/robot.toml");
+    let run = sandbox.run("import robot.urdf --loops loops.toml --out new/robot.toml");
     assert_eq!((run.code, run.stderr.as_str()), (0, IGNORED));
     assert_eq!(run.stdout, "written to new/robot.toml: 3 links, 3 joints, 1 loop\n");
     // Slide and turn cannot go while the tip holds the arm at its length.
@@ -65,7 +65,7 @@ fn a_model_becomes_a_mechanism_file() {
 fn a_file_that_is_there_is_not_replaced() {
     let sandbox = sandbox();
     sandbox.write("robot.toml", "mine");
-    let run = sandbox.run("import robot.urdf --output robot.toml");
+    let run = sandbox.run("import robot.urdf --out robot.toml");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("exists: choose another name"), "{}", run.stderr);
     assert_eq!(sandbox.read("robot.toml"), "mine");
@@ -192,9 +192,9 @@ fn a_three_rod_robot_is_a_mechanism_and_comes_back_as_the_same_robot() {
     let rods =
         |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["q_mm"].clone();
     let expected = rods(&sandbox.done(inverse));
-    let run = sandbox.run("import gpr --virtualization radial --output there.toml");
+    let run = sandbox.run("import gpr --virtualization radial --out there.toml");
     assert_eq!((run.code, run.stderr.as_str()), (0, "ignored: largest tilt of 1.5°\n"));
-    let run = sandbox.run("import there.toml --to gpr --tilt-limit-deg 1.5 --output back.toml");
+    let run = sandbox.run("import there.toml --to gpr --tilt-limit-deg 1.5 --out back.toml");
     assert_eq!((run.code, run.stderr.as_str()), (0, "ignored: 3 × virtual_joint\n"));
     let found = rods(&sandbox.done(&format!("{inverse} --robot back.toml")));
     for k in 0..3 {
@@ -232,7 +232,7 @@ fn a_document_of_freecad_is_a_model() {
     let sandbox = Sandbox::new();
     let archive = include_bytes!("../../../../validation/golden/models/crank-press.FCStd");
     std::fs::write(sandbox.file("press.FCStd"), archive).unwrap();
-    let run = sandbox.run("import press.FCStd --output press.toml");
+    let run = sandbox.run("import press.FCStd --out press.toml");
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("ignored: 1 × suppressed joint \"old guide\""), "{}", run.stderr);
     assert_eq!(run.stdout, "written to press.toml: 5 links, 5 joints, 1 loop\n");
@@ -276,7 +276,7 @@ fn an_assembly_of_freecad_needs_its_unit() {
         assert_eq!(run.code, 2, "{line}");
         assert!(run.stderr.contains("--units mm"), "{line}: {}", run.stderr);
     }
-    let run = sandbox.run("import crank.asmt --units mm --output crank.toml");
+    let run = sandbox.run("import crank.asmt --units mm --out crank.toml");
     assert_eq!((run.code, run.stderr.as_str()), (0, "ignored: 3 × PrincipalMassMarker\n"));
     let mobility = sandbox.done("mobility crank.toml");
     assert!(mobility.contains("finite                 1"), "{mobility}");

@@ -58,9 +58,26 @@ fn flags_that_make_no_sense() {
     refuse("completions tcl", 2, "possible values: bash");
     refuse("forward --robot missing.toml", 2, "cannot read missing.toml");
     refuse("forward --robot .", 2, ". is a folder, but a file is needed");
-    refuse("assemble four-bar --branches 0", 2, "expected an integer from 1 to 10000");
-    refuse("assemble four-bar --branches many", 2, "invalid value \"many\"");
+    refuse("assemble four-bar --branches 0", 2, "expected a whole number from 1 to 10000");
+    refuse("assemble four-bar --branches many", 2, "invalid value 'many'");
     refuse("frobnicate", 2, "unrecognized subcommand");
+}
+
+/// Before, these were ranges of Rust ("0 is not in 1..=4294967295"), lengths in another unit, and numbers of 309 digits.
+#[test]
+fn messages_have_the_numbers_and_units_of_the_argument() {
+    refuse("move four-bar --steps 0", 2, "expected a whole number from 1 to 100000");
+    refuse("draw bennett --redundant 0", 2, "expected a whole number from 1\n");
+    refuse("suggest gpr-mechanism --write 0", 2, "expected a whole number from 1\n");
+    refuse("suggest gpr-mechanism --limit 0", 2, "expected a whole number from 1\n");
+    refuse("suggest gpr-mechanism --joints 0", 2, "expected a whole number from 1\n");
+    refuse(
+        "move four-bar --tolerance-um 0 --to gltf --out scene",
+        2,
+        "must be positive, got 0 µm; use one such as 1 µm",
+    );
+    refuse("compare --text-scale 1e308 --figure a.svg", 2, "text scale is 1e308,");
+    refuse("cell displacement --tilt-deg 1e300,1e300", 2, "between -90° and 90°, got 1e300°");
 }
 
 /// These were accepted, and had no effect.

@@ -14,7 +14,7 @@
 use std::f64::consts::PI;
 
 use super::lanes::MOST;
-use crate::virtualization::VirtualJoints;
+use crate::virtualization::{RELATIVE_THRESHOLD, VirtualJoints};
 
 /// Most terms of a polynomial.
 pub(super) const TERMS: usize = 25;
@@ -26,8 +26,6 @@ pub(super) const SINE: usize = MOST;
 pub(super) const COLUMNS: usize = 2 * MOST;
 /// Largest torsion (rad).
 const LARGEST_TORSION: f64 = 0.5;
-/// Largest error of the sockets, as a share of the longest side of the base.
-const LARGEST_ERROR: f64 = 1e-13;
 /// Largest slope that is tried: that of 20°.
 const LARGEST_SLOPE: f64 = 0.36;
 /// Polynomials up to this slope or less are not worth their preparation.
@@ -107,7 +105,7 @@ impl JointPolynomials {
         self.largest_slope >= slope
     }
 
-    /// Polynomials for slopes up to a largest one, or up to less where they would err by more than 10⁻¹³ of the longest side; `None` where all would.
+    /// Polynomials for slopes up to a largest one, or up to less where they would err by more than [`RELATIVE_THRESHOLD`] of the longest side; `None` where all would.
     ///
     /// # Arguments
     /// * `base_edges` – edges of the base triangle (m)
@@ -127,7 +125,7 @@ impl JointPolynomials {
         weights[..joint_weights.len()].copy_from_slice(joint_weights);
         weights[JOINTS] = radius;
         let squares = base_edges.map(|[x, y]| x * x + y * y);
-        let allowed = LARGEST_ERROR * squares[0].max(squares[1]).max(squares[2]).sqrt();
+        let allowed = RELATIVE_THRESHOLD * squares[0].max(squares[1]).max(squares[2]).sqrt();
         let error = |coefficients: &[[f64; TERMS]; SAMPLE], order: usize, largest: f64| {
             let mut error = 0.0_f64;
             for point in points(order, extrema, 0.5) {

@@ -38,3 +38,4 @@ pub use solver::Solver;
 pub use virtual_joint::{MAX_VIRTUAL_JOINTS, VirtualJoint, VirtualJointKind, VirtualJoints};
 
 pub(crate) use platform::{check_not_collinear, sides_of, signed_area, unit};
+pub(crate) use solve::RELATIVE_THRESHOLD;

@@ -84,7 +84,7 @@ pub(super) fn taught(
                     taught.report_at("references", Fault::Unfit(explain_teach(&error)));
                 })
                 .ok()?;
-            if fit.result == FitResult::Inconsistent {
+            if fit.agreement.result == FitResult::Inconsistent {
                 report_point(taught, "references", fit.suspect(), inconsistent_references(&fit));
             }
             Some(fit)
@@ -110,7 +110,7 @@ fn plane(
             report_point(taught, "points_mm", second, explain_teach(&error));
         })
         .ok()?;
-    if fit.result == FitResult::Inconsistent {
+    if fit.agreement.result == FitResult::Inconsistent {
         report_point(taught, "points_mm", fit.suspect(), inconsistent_points(&fit));
     }
     Some(fit)
@@ -128,7 +128,7 @@ fn report_point(taught: &Table, key: &'static str, index: Option<usize>, message
 /// The message of taught points that do not lie in one plane.
 #[must_use]
 pub fn inconsistent_points(fit: &PlaneFit) -> String {
-    let relative = |index: usize| match fit.diagnostics[index].standardized {
+    let relative = |index: usize| match fit.agreement.diagnostics[index].standardized {
         Some(times) => format!(", {:.1} times its standard deviation", times.abs()),
         None => String::new(),
     };
@@ -141,19 +141,21 @@ pub fn inconsistent_points(fit: &PlaneFit) -> String {
         ),
         None => format!(
             "the taught points are up to {:.1} µm from their plane, and one redundant point does not determine which of them deviates",
-            um(fit.worst)
+            um(fit.agreement.worst)
         ),
     };
-    if fit.worst > fit.threshold {
-        message += &format!("; at most {} µm are allowed", number(um(fit.threshold)));
-    } else if let (Some(found), Some(limit)) = (fit.chi_square, fit.chi_square_limit) {
+    if fit.agreement.worst > fit.agreement.threshold {
+        message += &format!("; at most {} µm are allowed", number(um(fit.agreement.threshold)));
+    } else if let (Some(found), Some(limit)) =
+        (fit.agreement.chi_square, fit.agreement.chi_square_limit)
+    {
         message += &format!(
             "; the noise does not explain the deviations (chi-square {found:.1}, limit {limit:.1} at {} degrees of freedom)",
-            fit.redundancy
+            fit.agreement.redundancy
         );
     }
     message
-        + match (fit.suspect(), fit.worst > fit.threshold) {
+        + match (fit.suspect(), fit.agreement.worst > fit.agreement.threshold) {
             (Some(_), _) => ": measure this point again",
             (None, true) => ": measure all points again, or increase `threshold_um`",
             (None, false) => ": measure all points again, or state the noise of the measurement",
@@ -163,7 +165,7 @@ pub fn inconsistent_points(fit: &PlaneFit) -> String {
 /// The message of reference points that do not agree.
 #[must_use]
 pub fn inconsistent_references(fit: &ReferenceFit) -> String {
-    let allowed = number(um(fit.threshold));
+    let allowed = number(um(fit.agreement.threshold));
     match fit.suspect() {
         Some(index) => format!(
             "reference {} deviates most: it is {:.1} µm from its place in the fitted frame; at most {allowed} µm are allowed, and the noise has to explain the deviation: measure it again, or check its `station_mm`",
@@ -172,7 +174,7 @@ pub fn inconsistent_references(fit: &ReferenceFit) -> String {
         ),
         None => format!(
             "the references deviate by up to {:.1} µm from the fitted frame, and two of them do not determine which one deviates; at most {allowed} µm are allowed: measure them again, or add a third",
-            um(fit.worst)
+            um(fit.agreement.worst)
         ),
     }
 }

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use jointplay_cell::program::{
-    Command, Condition, Instruction, Number, Program, Quantity, SlotName, Unit,
-};
+use jointplay_cell::program::{Name, Number, Program, ProgramVisitor, Unit};
 use jointplay_core::expression::{BinaryOperator, Expression, Function, Operation};
 
 use super::lexer::line_at;
@@ -89,76 +87,7 @@ struct UnitCheck<'p> {
     errors: Vec<Error>,
 }
 
-impl UnitCheck<'_> {
-    fn block(&mut self, body: &[Instruction]) {
-        body.iter().for_each(|instruction| self.command(&instruction.command));
-    }
-
-    fn command(&mut self, command: &Command) {
-        match command {
-            Command::Home | Command::Call { .. } => {}
-            Command::Move { targets } => {
-                targets.iter().for_each(|target| self.quantity(&target.position));
-            }
-            Command::MoveLine { by, .. } => {
-                by.iter().flatten().for_each(|length| self.quantity(length));
-            }
-            Command::Get { from: slot, .. }
-            | Command::Put { to: slot, .. }
-            | Command::Goto { to: slot, .. }
-            | Command::Swap { at: slot, .. } => self.slot(slot),
-            Command::Transfer { from, to, .. } => {
-                self.slot(from);
-                self.slot(to);
-            }
-            Command::Wait { duration } => self.quantity(duration),
-            Command::Speed { fraction } => self.quantity(fraction),
-            Command::Blend { radius } => radius.iter().for_each(|radius| self.quantity(radius)),
-            Command::Tilt { tilt } => {
-                if let Some(tilt) = tilt {
-                    self.quantity(&tilt.angle);
-                    self.quantity(&tilt.azimuth);
-                }
-            }
-            Command::Repeat { times, body, .. } => {
-                self.number(times, None);
-                self.block(body);
-            }
-            Command::If { branches, otherwise } => {
-                for branch in branches {
-                    self.condition(&branch.condition);
-                    self.block(&branch.body);
-                }
-                self.block(otherwise);
-            }
-        }
-    }
-
-    fn condition(&mut self, condition: &Condition) {
-        match condition {
-            Condition::Comparison { left, right, unit, .. } => {
-                let both = self.dimension(&left.expression).and_then(|dimension| {
-                    let both = dimension.common(self.dimension(&right.expression)?)?;
-                    unit.map_or(Ok(both), |unit| both.common(unit.into()))
-                });
-                self.report(left, both);
-            }
-            Condition::Presence { location, .. } => self.slot(location),
-            Condition::Not(condition) => self.condition(condition),
-            Condition::All(conditions) | Condition::Any(conditions) => {
-                conditions.iter().for_each(|condition| self.condition(condition));
-            }
-        }
-    }
-
-    fn slot(&mut self, slot: &SlotName) {
-        slot.slot.iter().for_each(|number| self.number(number, None));
-    }
-
-    fn quantity(&mut self, quantity: &Quantity) {
-        self.number(&quantity.number, Some(quantity.unit));
-    }
-
+impl ProgramVisitor for UnitCheck<'_> {
     /// Checks that a number is in a unit.
     fn number(&mut self, number: &Number, unit: Option<Unit>) {
         let needed = unit.map_or_else(Dimension::default, Dimension::from);
@@ -175,6 +104,19 @@ impl UnitCheck<'_> {
         self.report(number, found);
     }
 
+    fn comparison(&mut self, left: &Number, right: &Number, unit: Option<Unit>) {
+        let both = self.dimension(&left.expression).and_then(|dimension| {
+            let both = dimension.common(self.dimension(&right.expression)?)?;
+            unit.map_or(Ok(both), |unit| both.common(unit.into()))
+        });
+        self.report(left, both);
+    }
+
+    // Their units are those of the parameters of the routine, which have none.
+    fn arguments(&mut self, _routine: &Name, _arguments: &[Number]) {}
+}
+
+impl UnitCheck<'_> {
     fn report(&mut self, number: &Number, found: Result<Dimension, Problem>) {
         let Err(problem) = found else { return };
         let (line, column) = (number.place.line, number.place.column);
@@ -187,10 +129,7 @@ impl UnitCheck<'_> {
     }
 
     /// Dimension of an expression.
-    fn dimension(
-        &self,
-        expression: &Expression<jointplay_cell::program::Name>,
-    ) -> Result<Dimension, Problem> {
+    fn dimension(&self, expression: &Expression<Name>) -> Result<Dimension, Problem> {
         const COMPLETE: &str = "each operator has its operands";
         // A constant keeps its value, for powers.
         let mut stack: Vec<(Dimension, Option<f64>)> = Vec::new();

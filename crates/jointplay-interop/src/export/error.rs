@@ -3,6 +3,7 @@
 use jointplay_cell::CellError;
 use jointplay_format::number::number;
 use jointplay_format::place::{Errors, suggestion};
+use jointplay_format::units::um;
 
 use super::dialect::Problem;
 
@@ -17,7 +18,7 @@ pub enum Error {
         rate: f64,
     },
     /// A tolerance that is not positive.
-    #[error("the tolerance of keys must be positive, got {} m; use one such as 1e-6 m", number(*tolerance))]
+    #[error("the largest deviation of the 3D scene must be positive, got {} µm; use one such as 1 µm", number(um(*tolerance)))]
     Tolerance {
         /// The tolerance found (m).
         tolerance: f64,
@@ -33,7 +34,7 @@ pub enum Error {
     Configuration(#[from] jointplay_core::Error),
     /// A file of parts that cannot be animated.
     #[error(transparent)]
-    Parts(#[from] super::gltf::PartsError),
+    Parts(#[from] super::gltf::parts_error::PartsError),
     /// Too many samples.
     #[error(
         "the motion has {found:.0} samples at this rate, but at most {allowed:.0} are allowed; use a lower rate"

@@ -10,7 +10,7 @@ mod node_names;
 mod numbers;
 mod part_table;
 mod parts;
-mod parts_error;
+pub(super) mod parts_error;
 mod parts_file;
 
 use gltf_json::scene::UnitQuaternion;

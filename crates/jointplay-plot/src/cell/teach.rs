@@ -199,7 +199,7 @@ fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, o
         })
         .collect();
     for (&[from, to], distance) in stems.iter().zip(&fit.distances) {
-        let beyond = distance.abs() > fit.threshold;
+        let beyond = distance.abs() > fit.agreement.threshold;
         let colour = if beyond { Colour::VERMILLION } else { Colour::GREEN }.hex();
         let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"");
         svg.path(&path_data(&[from, to]), &look);
@@ -298,8 +298,8 @@ fn description(cell: &Cell, station: &Station, normal: &Vector3<f64>) -> Vec<Str
                 lines.push(format!(
                     "{} references, deviations up to {:.1} µm (allowed {:.1})",
                     references.references.len(),
-                    references.worst * 1e6,
-                    references.threshold * 1e6
+                    references.agreement.worst * 1e6,
+                    references.agreement.threshold * 1e6
                 ));
             }
             let Some(fit) = &taught.plane else { return lines };
@@ -316,8 +316,8 @@ fn description(cell: &Cell, station: &Station, normal: &Vector3<f64>) -> Vec<Str
             lines.push(format!(
                 "{} points, distances up to {:.1} µm (allowed {:.1}), {known}: {result}",
                 fit.distances.len(),
-                fit.worst * 1e6,
-                fit.threshold * 1e6
+                fit.agreement.worst * 1e6,
+                fit.agreement.threshold * 1e6
             ));
         }
     }
@@ -332,7 +332,7 @@ fn exaggeration(stations: &[&Station]) -> Exaggeration {
     };
     let steepest = stations.iter().map(tilt).fold(0.0, f64::max);
     let fits = || stations.iter().filter_map(|station| fit(station));
-    let worst = fits().map(|fit| fit.worst).fold(0.0, f64::max);
+    let worst = fits().map(|fit| fit.agreement.worst).fold(0.0, f64::max);
     let narrowest = fits()
         .map(|fit| places(Some(fit)).map(|place| place.xy().norm()).fold(0.0, f64::max))
         .fold(f64::INFINITY, f64::min);

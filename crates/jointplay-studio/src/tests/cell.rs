@@ -430,4 +430,9 @@ fn a_plan_takes_values_of_parameters() {
     refused("cell/plan", json!({ "lott": 3 }), "`lott` is not known (did you mean `lot`?)");
     refused("cell/samples", json!({ "lot": 30 }), "has to be from 1 to 25");
     refused("cell/plan", json!({ "pause": 2 }), "has to be a number in s, as in `2 s`");
+    let list = json!({ "program": text, "parameters": { "lot": [1] } });
+    let problem = ask(&server, Method::POST, "cell/plan", &list).json();
+    assert_eq!(problem["field"], "parameters.lot");
+    // Before, this had the name of a type of Rust.
+    assert_eq!(problem["detail"], "expected a number or a text, such as 5 or \"5 mm\"");
 }

@@ -27,6 +27,8 @@ fn long_responses_are_compressed_for_clients_that_accept_it() {
     let path = "/api/v1/openapi.json";
     let plain = get(path, None);
     assert_eq!(plain.header("content-encoding"), "");
+    // Before, only the compressed response had it, and a cache could send the plain one to all.
+    assert_eq!(plain.header("vary"), "accept-encoding");
     for accepted in ["gzip", "br, GZIP;q=0.5", "deflate, gzip, zstd"] {
         let compressed = get(path, Some(accepted));
         assert_eq!(compressed.header("content-encoding"), "gzip", "{accepted}");

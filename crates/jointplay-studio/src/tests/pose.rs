@@ -177,7 +177,8 @@ fn invalid_requests_name_their_field() {
     bad("{}", None, "missing field `command`");
     bad(r#"{"command": 3}"#, Some("command"), "expected an object with a `kind`");
     bad(r#"{"command": {}}"#, Some("command"), r#"known: "tilt", "tilt_xy", "rods""#);
-    bad(r#"{"command": {"kind": "tolt"}}"#, Some("command.kind"), r#"unknown kind "tolt""#);
+    let kinds = r#"expected one of "tilt", "tilt_xy", "rods", got "tolt""#;
+    bad(r#"{"command": {"kind": "tolt"}}"#, Some("command.kind"), kinds);
     let tilt = |fields: &str| format!(r#"{{"command": {{"kind": "tilt", {fields}}}}}"#);
     bad(&tilt(r#""azimuth_rad": 1"#), Some("command"), "missing field `tilt_rad`");
     bad(
@@ -202,18 +203,24 @@ fn invalid_requests_name_their_field() {
     let turns = r#"{"command": {"kind": "tilt_xy", "about_x_rad": 1.5, "about_y_rad": 1.5}}"#;
     bad(turns, Some("command"), "must be between -π/2 and π/2");
     let rods = |rods: &str| format!(r#"{{"command": {{"kind": "rods", "rods_m": {rods}}}}}"#);
-    bad(&rods("[0.5, 0.5]"), Some("command.rods_m"), "expected a list of 3, got 2");
+    bad(&rods("[0.5, 0.5]"), Some("command.rods_m"), "expected a list of 3, got a list of 2");
     bad(&rods("[0.5, 0.5, 2000]"), Some("command.rods_m[2]"), "got 2e3 m");
     let model = |model: &str| {
         format!(r#"{{"command": {{"kind": "rods", "rods_m": [1, 1, 1]}}, "models": {model}}}"#)
     };
     bad(&model("[]"), Some("models"), "1 to 16 are allowed");
     bad(&model("[[]]"), Some("models[0]"), "expected an object");
-    bad(&model(r#"[{}, {"solver": "x"}]"#), Some("models[1].solver"), "`closed-form`");
+    bad(&model(r#"[{}, {"solver": "x"}]"#), Some("models[1].solver"), "\"closed-form\"");
     bad(&model(r#"[{"colour": 1}]"#), Some("models[0].colour"), "unknown field");
     let length = r#"[{}, {"characteristic_length_m": 0}]"#;
     bad(&model(length), Some("models[1].characteristic_length_m"), "must be within 1e-12 to 1e6 m");
     refused(POSE, "{", 400, None, "not valid JSON");
+    // Before, the last one was used.
+    refused(POSE, r#"{"command": 1, "command": 2}"#, 400, None, "\"command\" is given twice");
+    let deep = "[".repeat(100_000);
+    refused(POSE, &format!("{{\"command\": {deep}"), 400, None, "recursion limit exceeded");
+    let meant = "unknown field `comand` (did you mean `command`?)";
+    refused(POSE, r#"{"comand": 1}"#, 422, Some("comand"), meant);
     refused(
         POSE,
         r#"{"command": {"kind": "rods", "rods_m": [1e999, 1, 1]}}"#,

@@ -49,13 +49,13 @@ fn invalid_requests_name_their_field() {
         "forward",
         r#"{"rods_m": [1, 1, 1], "model": {"metric": "mm"}}"#,
         "model.metric",
-        "`radius`",
+        "\"radius\"",
     );
     let length = r#"{"rods_m": [1, 1, 1], "model": {"characteristic_length_m": -1}}"#;
     bad("forward", length, "model.characteristic_length_m", "must be within 1e-12 to 1e6 m");
-    bad("inverse", r#"{"command": {"kind": "level"}}"#, "command.kind", "unknown kind \"level\"");
-    bad("mobility", r#"{"virtualization": "cubic"}"#, "virtualization", "`radial`");
-    bad("mobility", r#"{"rods_m": [1, 1]}"#, "rods_m", "expected a list of 3, got 2");
+    bad("inverse", r#"{"command": {"kind": "level"}}"#, "command.kind", "got \"level\"");
+    bad("mobility", r#"{"virtualization": "cubic"}"#, "virtualization", "\"radial\"");
+    bad("mobility", r#"{"rods_m": [1, 1]}"#, "rods_m", "expected a list of 3, got a list of 2");
     bad("compare", r#"{"tilts_rad": []}"#, "tilts_rad", "1 to 10000 are allowed");
     bad("compare", r#"{"tilts_rad": [0, 2]}"#, "tilts_rad[1]", "must be between -π/2 and π/2");
     bad(

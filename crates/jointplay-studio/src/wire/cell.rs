@@ -18,7 +18,6 @@ use super::program_parameters::ParameterValue;
 use super::{Pair, Triple};
 use crate::cell_files::CellFiles;
 use crate::problem::Problem;
-use crate::strict;
 
 /// The cell that this server was started with.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -64,7 +63,6 @@ pub(crate) struct PlanRequest {
     #[schema(required = false)]
     pub(crate) parameters: BTreeMap<String, ParameterValue>,
     /// Changes of the texts of a kept plan; complete texts take precedence.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) since: Option<SinceFields>,
 }
 
@@ -75,10 +73,8 @@ pub(crate) struct SinceFields {
     /// Key of the plan.
     pub(crate) plan: String,
     /// Change of the text of the cell.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) cell: Option<LinesFields>,
     /// Change of the text of the program.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) program: Option<LinesFields>,
 }
 
@@ -305,22 +301,17 @@ pub(crate) struct StationRequest {
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) heading_rad: Option<f64>,
     /// Tilt.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) tilt: Option<TiltFields>,
     /// Tilt as rotation vector.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) tilt_xy: Option<TiltXyFields>,
     /// Whether a station defined by its first and last slot keeps this definition when its tilt changes: the last slot is rotated about the first one. Otherwise the tilt replaces the definition.
     #[serde(default)]
     pub(crate) keep_carrier_axis: bool,
     /// Taught points of its plane, which replace the tilt.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught: Option<TaughtFields>,
     /// Wafers at the start.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) wafers: Option<WafersFields>,
     /// Robot pose by which the values are taught. It is checked; a contact requires a confirmation.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught_by: Option<TaughtByFields>,
 }
 

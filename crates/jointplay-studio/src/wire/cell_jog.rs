@@ -3,6 +3,7 @@
 use jointplay::cell::jog::SlotRelativePose;
 use jointplay::cell::robot::WaferTarget;
 use jointplay::cell::workcell::Cell;
+use jointplay::format::json;
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::Tilt;
 use serde::Deserialize;
@@ -10,9 +11,7 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::{Triple, angle, length, tilt_angle};
-use crate::body;
 use crate::problem::Problem;
-use crate::strict;
 
 /// A jog of the robot of a cell.
 #[derive(Deserialize, ToSchema)]
@@ -39,7 +38,6 @@ pub(crate) struct JogRequest {
     #[serde(default)]
     pub(crate) effector: Option<String>,
     /// Slot of the relative coordinates.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) seen_from: Option<SlotFields>,
     /// Target; default: the start positions.
     #[serde(default)]
@@ -188,12 +186,12 @@ pub(crate) enum JogTarget {
 impl JogFields {
     pub(crate) fn read(self, cell: &Cell) -> Result<JogTarget, Problem> {
         let Self(value) = self;
-        let kinds = ["axes", "platform", "world", "slot"];
-        let jog = match body::kind(&value, "to", &kinds)? {
-            "axes" => Jog::Axes(body::read(value, "to")?),
-            "platform" => Jog::Platform(body::read(value, "to")?),
-            "world" => Jog::World(body::read(value, "to")?),
-            _ => Jog::Slot(body::read(value, "to")?),
+        let kinds = &["axes", "platform", "world", "slot"];
+        let jog = match json::kind(&value, "to", kinds)? {
+            "axes" => Jog::Axes(json::read_value(value, "to")?),
+            "platform" => Jog::Platform(json::read_value(value, "to")?),
+            "world" => Jog::World(json::read_value(value, "to")?),
+            _ => Jog::Slot(json::read_value(value, "to")?),
         };
         match jog {
             Jog::Axes(found) => {

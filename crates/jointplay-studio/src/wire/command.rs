@@ -1,5 +1,6 @@
 //! Command of the robot.
 
+use jointplay::format::json;
 use jointplay::gpr::Gpr;
 use jointplay::spatial::Tilt;
 use serde::Deserialize;
@@ -7,9 +8,7 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::{Rods, angle, length, tilt_angle};
-use crate::body;
 use crate::problem::Problem;
-use crate::strict;
 
 /// Command of the robot.
 #[derive(ToSchema)]
@@ -49,7 +48,6 @@ pub(crate) struct TiltCommand {
     #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
     pub(crate) tilt_rad: f64,
     /// Height of the platform; default: the working height of the robot.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) height: Option<Height>,
 }
 
@@ -73,7 +71,6 @@ pub(crate) struct TiltXyCommand {
     #[schema(minimum = -1.1, maximum = 1.1)]
     pub(crate) about_y_rad: f64,
     /// Height of the platform; default: the working height of the robot.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) height: Option<Height>,
 }
 
@@ -129,10 +126,10 @@ impl CommandFields {
     pub(crate) fn read(self, gpr: &Gpr, field: &str) -> Result<Target, Problem> {
         let Self(value) = self;
         let at = |name: &str| format!("{field}.{name}");
-        let command = match body::kind(&value, field, &["tilt", "tilt_xy", "rods"])? {
-            "tilt" => Command::Tilt(body::read(value, field)?),
-            "tilt_xy" => Command::TiltXy(body::read(value, field)?),
-            _ => Command::Rods(body::read(value, field)?),
+        let command = match json::kind(&value, field, &["tilt", "tilt_xy", "rods"])? {
+            "tilt" => Command::Tilt(json::read_value(value, field)?),
+            "tilt_xy" => Command::TiltXy(json::read_value(value, field)?),
+            _ => Command::Rods(json::read_value(value, field)?),
         };
         match command {
             Command::Tilt(found) => {

@@ -8,14 +8,12 @@ use utoipa::ToSchema;
 
 use super::mechanism_view::MechanismSource;
 use super::pose::PlacedDocument;
-use crate::strict;
 
 /// Request of the poses of the links of a mechanism.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MechanismPosesRequest {
     /// The mechanism; this or `catalogue`.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) mechanism: Option<MechanismSource>,
     /// Name of a mechanism or three-rod robot of the catalogue.
     #[serde(default)]

@@ -11,7 +11,6 @@ use utoipa::ToSchema;
 
 use super::Triple;
 use super::pose::PlacedDocument;
-use crate::strict;
 
 /// A mechanism as text.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -33,7 +32,6 @@ pub(crate) struct MechanismSource {
 #[serde(deny_unknown_fields)]
 pub(crate) struct OpenRequest {
     /// The mechanism.
-    #[serde(deserialize_with = "strict::object")]
     pub(crate) mechanism: MechanismSource,
     /// Coordinates near which the loops are closed (m, rad); without them, or if that fails, the guess of the file.
     #[serde(default)]
@@ -49,7 +47,6 @@ pub(crate) struct OpenRequest {
 #[serde(deny_unknown_fields)]
 pub(crate) struct DriveRequest {
     /// The mechanism.
-    #[serde(deserialize_with = "strict::object")]
     pub(crate) mechanism: MechanismSource,
     /// Coordinates of the closed configuration where the motion begins (m, rad).
     pub(crate) from: Vec<f64>,
@@ -66,7 +63,6 @@ pub(crate) struct DriveRequest {
 #[serde(deny_unknown_fields)]
 pub(crate) struct ConfigurationRequest {
     /// The mechanism.
-    #[serde(deserialize_with = "strict::object")]
     pub(crate) mechanism: MechanismSource,
     /// Coordinates of a closed configuration (m, rad).
     pub(crate) coordinates: Vec<f64>,
@@ -301,7 +297,6 @@ pub(crate) struct DriveDocument {
 #[serde(deny_unknown_fields)]
 pub(crate) struct ReachRequest {
     /// The mechanism.
-    #[serde(deserialize_with = "strict::object")]
     pub(crate) mechanism: MechanismSource,
     /// Coordinates of the closed configuration where the motion begins (m, rad).
     pub(crate) from: Vec<f64>,
@@ -343,7 +338,6 @@ pub(crate) struct ReachedDocument {
 #[serde(deny_unknown_fields)]
 pub(crate) struct MechanismExportRequest {
     /// The mechanism.
-    #[serde(deserialize_with = "strict::object")]
     pub(crate) mechanism: MechanismSource,
     /// Coordinates of the closed configuration before the motion (m, rad); without them, that of the file.
     #[serde(default)]
@@ -434,7 +428,6 @@ pub(crate) struct CatalogueEntry {
 #[serde(deny_unknown_fields)]
 pub(crate) struct SuggestRequest {
     /// The mechanism; its virtual joints are replaced.
-    #[serde(deserialize_with = "strict::object")]
     pub(crate) mechanism: MechanismSource,
     /// Commanded joint coordinates by name: expressions in the units of the file. Without any, each actuated joint is displaced by a small amount.
     #[serde(default)]

@@ -14,7 +14,6 @@ use utoipa::ToSchema;
 use super::model::SolverName;
 use super::robot_file::RobotSource;
 use super::{CommandFields, ModelChoice, Pair, Rods, Triple};
-use crate::strict;
 
 /// Maximum number of models in a request.
 pub(crate) const MAX_MODELS: usize = 16;
@@ -24,7 +23,6 @@ pub(crate) const MAX_MODELS: usize = 16;
 #[serde(deny_unknown_fields)]
 pub(crate) struct PoseRequest {
     /// Robot in place of that of this server.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) robot: Option<RobotSource>,
     /// Command of the robot.
     pub(crate) command: CommandFields,
@@ -37,7 +35,7 @@ pub(crate) struct PoseRequest {
     #[schema(required = false)]
     pub(crate) at_limits: AtLimits,
     /// The models; a height of the platform centre refers to the first one.
-    #[serde(default = "one_model", deserialize_with = "strict::objects")]
+    #[serde(default = "one_model")]
     #[schema(required = false, min_items = 1, max_items = 16)]
     pub(crate) models: Vec<ModelChoice>,
     /// Whether to compute the mobility.

@@ -10,7 +10,7 @@ use crate::problem::Problem;
 
 /// Value of a parameter of a program.
 #[derive(Debug, Clone, PartialEq, Deserialize, ToSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or a text, such as 5 or \"5 mm\"")]
 pub(crate) enum ParameterValue {
     /// A number without unit.
     Number(f64),

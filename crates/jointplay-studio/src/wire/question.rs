@@ -6,7 +6,6 @@ use utoipa::ToSchema;
 use super::model::{MetricName, SolverName};
 use super::robot_file::RobotSource;
 use super::{CommandFields, ModelChoice, Rods, TiltAngle, VirtualizationName};
-use crate::strict;
 
 /// Maximum number of tilt angles of a comparison.
 pub(crate) const MAX_TILTS: usize = 10_000;
@@ -16,12 +15,11 @@ pub(crate) const MAX_TILTS: usize = 10_000;
 #[serde(deny_unknown_fields)]
 pub(crate) struct ForwardRequest {
     /// Robot in place of that of this server.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) robot: Option<RobotSource>,
     /// q_1, q_2, q_3 (m).
     pub(crate) rods_m: Rods,
     /// The model.
-    #[serde(default, deserialize_with = "strict::object")]
+    #[serde(default)]
     #[schema(required = false)]
     pub(crate) model: ModelChoice,
     /// Whether to ignore the limits of the robot; violated limits are listed.
@@ -34,12 +32,11 @@ pub(crate) struct ForwardRequest {
 #[serde(deny_unknown_fields)]
 pub(crate) struct CommandRequest {
     /// Robot in place of that of this server.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) robot: Option<RobotSource>,
     /// Command of the robot.
     pub(crate) command: CommandFields,
     /// The model.
-    #[serde(default, deserialize_with = "strict::object")]
+    #[serde(default)]
     #[schema(required = false)]
     pub(crate) model: ModelChoice,
     /// Whether to ignore the limits of the robot; violated limits are listed.
@@ -52,7 +49,6 @@ pub(crate) struct CommandRequest {
 #[serde(deny_unknown_fields)]
 pub(crate) struct MobilityRequest {
     /// Robot in place of that of this server.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) robot: Option<RobotSource>,
     /// q_1, q_2, q_3; default: all at the working height of the robot (m).
     pub(crate) rods_m: Option<Rods>,
@@ -68,7 +64,6 @@ pub(crate) struct MobilityRequest {
 #[serde(deny_unknown_fields)]
 pub(crate) struct CompareRequest {
     /// Robot in place of that of this server.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) robot: Option<RobotSource>,
     /// Azimuth of all tilts (rad).
     #[serde(default)]

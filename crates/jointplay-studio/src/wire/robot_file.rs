@@ -8,7 +8,6 @@ use utoipa::ToSchema;
 
 use super::robot::RobotDocument;
 use crate::problem::Problem;
-use crate::strict;
 
 /// A three-rod robot as text.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
@@ -71,10 +70,9 @@ pub(crate) struct SaveRobotRequest {
 #[serde(deny_unknown_fields)]
 pub(crate) struct OpenRobotRequest {
     /// The robot.
-    #[serde(deserialize_with = "strict::object")]
     pub(crate) robot: RobotSource,
     /// Numbers to replace in the text, in this order; comments and everything else remain.
-    #[serde(default, deserialize_with = "strict::objects")]
+    #[serde(default)]
     #[schema(required = false, max_items = 64)]
     pub(crate) changes: Vec<DimensionChange>,
 }

@@ -1,7 +1,7 @@
 //! A motion and the requested quantities of its samples.
 
 use jointplay::bulk::Quantity;
-use jointplay::format::steps;
+use jointplay::format::{json, steps};
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::spatial::Tilt;
 use jointplay::study::{KeyMotion, KeyPose, Order, Raster};
@@ -12,9 +12,7 @@ use utoipa::ToSchema;
 
 use super::robot_file::RobotSource;
 use super::{ModelChoice, length, tilt_angle};
-use crate::body;
 use crate::problem::Problem;
-use crate::strict;
 
 /// Maximum number of samples of a study.
 pub(crate) const MAX_SAMPLES: usize = 5_000_000;
@@ -26,12 +24,11 @@ const MAX_KEYS: usize = 1000;
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyRequest {
     /// Robot in place of that of this server.
-    #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) robot: Option<RobotSource>,
     /// A sequence of poses.
     pub(crate) motion: MotionFields,
     /// The model.
-    #[serde(default, deserialize_with = "strict::object")]
+    #[serde(default)]
     #[schema(required = false)]
     pub(crate) model: ModelChoice,
     /// Quantities in addition to the command; default: all except sensitivity.
@@ -107,10 +104,8 @@ pub(crate) struct RasterMotion {
     /// Order of the poses.
     kind: RasterKind,
     /// Azimuth angles, in degrees so that steps are exact decimals; default: 0 to 360 by 10 (deg).
-    #[serde(default, deserialize_with = "strict::maybe")]
     azimuth_deg: Option<Steps>,
     /// Tilt angles; default: -2 to 2 by 0.2 (deg).
-    #[serde(default, deserialize_with = "strict::maybe")]
     tilt_deg: Option<Steps>,
     /// Height at which the platform plane crosses the base axis; default: the working height of the robot (m).
     #[schema(minimum = -1000, maximum = 1000)]
@@ -143,7 +138,6 @@ pub(crate) struct KeysMotion {
     #[expect(dead_code, reason = "read before the other fields")]
     kind: KeysKind,
     /// The key poses.
-    #[serde(deserialize_with = "strict::objects")]
     #[schema(min_items = 2, max_items = 1000)]
     keys: Vec<KeyFields>,
     /// Minimum sampling rate (Hz).
@@ -191,10 +185,10 @@ impl MotionFields {
     /// Checks the motion at `field`.
     pub(crate) fn read(self, gpr: &Gpr, field: &str) -> Result<Samples, Problem> {
         let Self(value) = self;
-        let kind = body::kind(&value, field, &["raster", "serpentine", "keys"])?;
+        let kind = json::kind(&value, field, &["raster", "serpentine", "keys"])?;
         let choice = match kind {
-            "keys" => MotionChoice::Keys(body::read(value, field)?),
-            _ => MotionChoice::Raster(body::read(value, field)?),
+            "keys" => MotionChoice::Keys(json::read_value(value, field)?),
+            _ => MotionChoice::Raster(json::read_value(value, field)?),
         };
         let samples = match choice {
             MotionChoice::Raster(found) => Samples::Raster(raster(found, gpr, field)?),

@@ -13,7 +13,7 @@ mod uncertainty;
 
 pub use carrier_axis::{CarrierAxis, carrier_axis};
 pub use error::TeachError;
-pub use fit_result::{FitResult, PointDiagnostic};
+pub use fit_result::{Agreement, FitResult, PointDiagnostic};
 pub use frame::frame;
 pub use next_points::{MAX_NEXT_POINTS, NextPoints};
 pub use plane::{MIN_POINTS_OF_UNKNOWN_NOISE, PlaneFit, PlaneUncertainty, fit_plane};

@@ -42,13 +42,14 @@ impl PlaneFit {
     #[must_use]
     pub fn next_points(&self, allowed: f64, coverage_factor: f64) -> Option<NextPoints> {
         let is_certain = !self.is_uncertain(allowed, coverage_factor);
-        if self.result == FitResult::Inconsistent || (self.result == FitResult::Fits && is_certain)
+        if self.agreement.result == FitResult::Inconsistent
+            || (self.agreement.result == FitResult::Fits && is_certain)
         {
             return None;
         }
-        let known = self.noise.is_some();
+        let known = self.agreement.noise.is_some();
         let least = |noise: &Vec<f64>| noise.iter().copied().fold(f64::INFINITY, f64::min);
-        let sigma = self.noise.as_ref().map_or(1.0, least);
+        let sigma = self.agreement.noise.as_ref().map_or(1.0, least);
         let along = (self.points[0] - self.center).normalize();
         let across = self.normal.cross(&along);
         let coordinates = |point: &Vector3<f64>| {
@@ -59,7 +60,7 @@ impl PlaneFit {
         let mut radius = 0.0_f64;
         for (k, point) in self.points.iter().enumerate() {
             let row = coordinates(point);
-            let noise = self.noise.as_ref().map_or(1.0, |noise| noise[k]);
+            let noise = self.agreement.noise.as_ref().map_or(1.0, |noise| noise[k]);
             information += row * row.transpose() / (noise * noise);
             radius = radius.max(row.y.hypot(row.z));
         }
@@ -150,7 +151,7 @@ mod tests {
         assert_eq!(next.noise, None);
         // They stay untested with exact points too.
         let exact = fit_plane(&places, 1e-4, Some(&[1e-12; 3])).unwrap();
-        assert_eq!(exact.result, FitResult::Untested);
+        assert_eq!(exact.agreement.result, FitResult::Untested);
     }
 
     #[test]

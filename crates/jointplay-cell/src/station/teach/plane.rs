@@ -5,9 +5,11 @@ use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{DMatrix, Vector3};
 
 use super::error::{TeachError, check_noise};
-use super::fit_result::{FitResult, PointDiagnostic, largest_deviation};
+use super::fit_result::{
+    Agreement, Deviations, FALSE_ALARM, FitResult, NO_REDUNDANCY, PointDiagnostic, REDUNDANT,
+};
 use super::frame::frame;
-use super::quantile::{TWO_SIDED, angle_95, chi_square, f_95, normal_beyond};
+use super::quantile::{TWO_SIDED, angle_95, f_95, student};
 use super::uncertainty::coverage;
 
 /// Multiple of the threshold below which points are on one line: the tilt about that line is undetermined.
@@ -16,17 +18,8 @@ pub(super) const SPREAD: f64 = 10.0;
 /// Number of points from which on their distances from the plane estimate the noise to better than a factor of about three (95 %).
 pub const MIN_POINTS_OF_UNKNOWN_NOISE: usize = 6;
 
-/// Number of redundant points of known noise from which on a deviation can be assigned to a point.
-pub(super) const REDUNDANT: usize = 2;
-
-/// Quantile of the false alarm rate at which points with given noise count as inconsistent.
-pub(super) const FALSE_ALARM_QUANTILE: f64 = 3.090_232;
-/// False alarm rate of that quantile, and of the test of single points.
-pub(super) const FALSE_ALARM: f64 = 1e-3;
 /// Standardized deviation up to which no point counts as an outlier, whatever the number of points.
 const LEAST_OUTLIER: f64 = 3.0;
-/// Redundancy below which the deviation of a point is round-off.
-pub(super) const NO_REDUNDANCY: f64 = 1e-9;
 
 /// Least-squares plane of taught points.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,30 +32,16 @@ pub struct PlaneFit {
     pub tilt: Tilt,
     /// Distance of each point from the plane, above positive (m).
     pub distances: Vec<f64>,
-    /// Influence and relative deviation of each point.
-    pub diagnostics: Vec<PointDiagnostic>,
+    /// How well the points agree with the plane, by their distances from it.
+    pub agreement: Agreement,
     /// Root mean square distance (m).
     pub residual: f64,
-    /// Largest distance (m).
-    pub worst: f64,
     /// The points, in the base frame (m).
     pub points: Vec<Vector3<f64>>,
     /// Root mean square distance of the points from the line that fits them best, within the plane: it determines the tilt about that line (m).
     pub spread: f64,
-    /// Largest allowed distance (m).
-    pub threshold: f64,
-    /// Standard deviation of each coordinate of each point, if known (m).
-    pub noise: Option<Vec<f64>>,
-    /// Sum of the squared distances, each divided by its variance; `None` where the noise is not known.
-    pub chi_square: Option<f64>,
-    /// Value of `chi_square` above which the points count as inconsistent; `None` without points to test.
-    pub chi_square_limit: Option<f64>,
     /// Uncertainty of the plane; `None` for three points whose noise is not known.
     pub uncertainty: Option<Box<PlaneUncertainty>>,
-    /// Redundancy: number of points beyond three, the degrees of freedom of the residuals.
-    pub redundancy: usize,
-    /// Whether the points agree with one plane.
-    pub result: FitResult,
 }
 
 /// Uncertainty of a fitted plane: the covariance of tilt and height along the principal directions of the points, where both slopes and the height at the centroid are uncorrelated.
@@ -74,7 +53,7 @@ pub struct PlaneFit {
 pub struct PlaneUncertainty {
     /// Standard deviation of a measured coordinate, given or estimated from the distances: the least of all points (m).
     pub noise: f64,
-    /// Whether that is estimated from the distances, with [`PlaneFit::redundancy`] degrees of freedom.
+    /// Whether that is estimated from the distances, with [`Agreement::redundancy`] degrees of freedom.
     pub is_estimated: bool,
     /// Principal directions of the points in their plane, in the base frame.
     pub directions: [Vector3<f64>; 2],
@@ -177,7 +156,6 @@ pub fn fit_plane(
     let freedom = points.len() - 3;
     let squares = distances.iter().zip(weights).map(|(d, w)| w * d * d).sum::<f64>();
     let chi = noise.map(|_| squares / (least * least));
-    let limit = (freedom > 0).then(|| chi_square(freedom, FALSE_ALARM_QUANTILE));
     let estimated = (freedom > 0).then(|| (squares / freedom as f64).sqrt());
     let leverages = weighted.leverages(points);
     let standardized = |k: usize| {
@@ -200,20 +178,17 @@ pub fn fit_plane(
     let diagnostics: Vec<PointDiagnostic> = (0..points.len())
         .map(|k| PointDiagnostic { leverage: leverages[k], standardized: standardized(k) })
         .collect();
-    let largest = diagnostics.iter().filter_map(|point| point.standardized);
-    let largest = largest.fold(0.0_f64, |largest, one| largest.max(one.abs()));
-    let is_noisier = chi.zip(limit).is_some_and(|(found, limit)| found > limit);
-    let has_outlier = noise.is_some()
-        && freedom > 0
-        && largest > LEAST_OUTLIER
-        && normal_beyond(largest) < FALSE_ALARM / points.len() as f64;
-    let result = if worst > threshold || is_noisier || has_outlier {
-        FitResult::Inconsistent
-    } else if is_testable(noise.is_some(), points.len()) {
-        FitResult::Fits
-    } else {
-        FitResult::Untested
-    };
+    let agreement = Deviations {
+        diagnostics,
+        worst,
+        threshold,
+        noise,
+        chi_square: chi,
+        redundancy: freedom,
+        outlier: outlier(points.len()),
+        is_testable: is_testable(noise.is_some(), points.len()),
+    }
+    .tested();
     let sigma = if noise.is_some() { Some(least) } else { estimated };
     let uncertainty = sigma.map(|sigma| {
         let slopes = [0, 1].map(|k| sigma / found.singular_values[k]);
@@ -241,19 +216,17 @@ pub fn fit_plane(
         normal,
         tilt,
         distances,
-        diagnostics,
+        agreement,
         residual,
-        worst,
         points: points.to_vec(),
         spread,
-        threshold,
-        noise: noise.map(<[f64]>::to_vec),
-        chi_square: chi,
-        chi_square_limit: limit,
         uncertainty,
-        redundancy: freedom,
-        result,
     })
+}
+
+/// Standardized distance above which one of this many points counts as an outlier.
+fn outlier(points: usize) -> f64 {
+    student(FALSE_ALARM / points as f64, None).max(LEAST_OUTLIER)
 }
 
 /// Whether this many points of a plane test themselves.
@@ -331,7 +304,7 @@ impl PlaneFit {
     /// * `coverage_factor` – multiple of the standard deviation that has to be allowed
     #[must_use]
     pub fn result_for(&self, allowed: f64, coverage_factor: f64) -> FitResult {
-        match self.result {
+        match self.agreement.result {
             FitResult::Fits if self.is_uncertain(allowed, coverage_factor) => FitResult::Uncertain,
             result => result,
         }
@@ -339,10 +312,11 @@ impl PlaneFit {
 
     /// Whether the expanded uncertainty of the tilt exceeds an allowed angle, for points whose noise is given or enough to estimate it.
     pub(super) fn is_uncertain(&self, allowed: f64, coverage_factor: f64) -> bool {
-        let is_tested = self.noise.is_some() || self.points.len() >= MIN_POINTS_OF_UNKNOWN_NOISE;
+        let is_tested =
+            self.agreement.noise.is_some() || self.points.len() >= MIN_POINTS_OF_UNKNOWN_NOISE;
         let tilt = self.uncertainty.as_ref();
         let tilt = tilt.map_or(f64::INFINITY, |known| known.expanded_tilt(coverage_factor));
-        self.result != FitResult::Inconsistent && is_tested && tilt > allowed
+        self.agreement.result != FitResult::Inconsistent && is_tested && tilt > allowed
     }
 
     /// Index of the point to be measured again, where the points are inconsistent: the one with the largest deviation relative to its noise.
@@ -350,10 +324,7 @@ impl PlaneFit {
     /// `None` where the points agree, and where one redundant point does not determine which of them deviates.
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
-        if self.result != FitResult::Inconsistent || self.redundancy < REDUNDANT {
-            return None;
-        }
-        largest_deviation(&self.diagnostics)
+        self.agreement.suspect()
     }
 
     /// The nominal frame laid into the plane: its origin moved vertically, its heading unchanged.
@@ -395,8 +366,11 @@ mod tests {
     fn plane_fit_reproduces_a_plane() {
         let tilt = Tilt { azimuth: 2.0, angle: 0.0139 };
         let fit = fit_plane(&plane(tilt, &SEVEN), 1e-4, Some(&[1e-6; 7])).unwrap();
-        assert_eq!(fit.result, FitResult::Fits);
-        assert!((fit.normal - tilt.normal()).norm() < 1e-14 && fit.worst < 1e-15, "{fit:?}");
+        assert_eq!(fit.agreement.result, FitResult::Fits);
+        assert!(
+            (fit.normal - tilt.normal()).norm() < 1e-14 && fit.agreement.worst < 1e-15,
+            "{fit:?}"
+        );
         let frame = fit.frame(&Vector3::new(0.7, -0.2, 0.0), 0.4);
         assert!((heading(&frame) - 0.4).abs() < 1e-14);
         assert!((frame.translation.vector.z - 0.9).abs() < 1e-14);
@@ -404,7 +378,7 @@ mod tests {
         for (count, noise) in [(3, None), (3, Some(1e-6)), (4, None), (4, Some(1e-6)), (5, None)] {
             let noise = noise.map(|noise| vec![noise; count]);
             let fit = fit_plane(&plane(tilt, &SEVEN[..count]), 1e-4, noise.as_deref()).unwrap();
-            assert_eq!(fit.result, FitResult::Untested);
+            assert_eq!(fit.agreement.result, FitResult::Untested);
             assert_eq!(fit.uncertainty.is_some(), count > 3 || noise.is_some());
         }
     }
@@ -415,15 +389,18 @@ mod tests {
         points[2].z += 4e-4;
         let fit = fit_plane(&points, 5e-5, None).unwrap();
         // The fit distributes the deviation over all four: a quarter each.
-        assert_eq!(fit.result, FitResult::Inconsistent);
-        assert!((fit.worst - 1e-4).abs() < 1e-8 && (fit.residual - 1e-4).abs() < 1e-8, "{fit:?}");
+        assert_eq!(fit.agreement.result, FitResult::Inconsistent);
+        assert!(
+            (fit.agreement.worst - 1e-4).abs() < 1e-8 && (fit.residual - 1e-4).abs() < 1e-8,
+            "{fit:?}"
+        );
         // One redundant point does not determine which of the four deviates.
         assert_eq!(fit.suspect(), None);
         let explained = fit_plane(&points, 2e-4, Some(&[1e-4; 4])).unwrap();
-        assert_eq!(explained.result, FitResult::Untested);
+        assert_eq!(explained.agreement.result, FitResult::Untested);
         // Within the threshold, but not for points that are known to a micrometre.
         let fit = fit_plane(&points, 2e-4, Some(&[1e-6; 4])).unwrap();
-        assert_eq!(fit.result, FitResult::Inconsistent);
+        assert_eq!(fit.agreement.result, FitResult::Inconsistent);
     }
 
     #[test]
@@ -439,7 +416,7 @@ mod tests {
             let noise: Vec<f64> =
                 (0..7).map(|k| if k == deviating { 1e-3 } else { 1e-5 }).collect();
             let fit = fit_plane(&points, 5e-4, Some(&noise)).unwrap();
-            assert_eq!(fit.result, FitResult::Fits, "{fit:?}");
+            assert_eq!(fit.agreement.result, FitResult::Fits, "{fit:?}");
         }
     }
 
@@ -448,7 +425,7 @@ mod tests {
         let noise = [1e-6, 2e-6, 5e-6, 1e-6, 4e-6, 1e-6, 3e-6];
         let points = plane(Tilt { azimuth: 0.2, angle: 0.01 }, &SEVEN);
         let fit = fit_plane(&points, 1e-4, Some(&noise)).unwrap();
-        let sum: f64 = fit.diagnostics.iter().map(|point| point.leverage).sum();
+        let sum: f64 = fit.agreement.diagnostics.iter().map(|point| point.leverage).sum();
         assert!((sum - 3.0).abs() < 1e-12, "{sum}");
     }
 

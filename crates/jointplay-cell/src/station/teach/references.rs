@@ -4,9 +4,10 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::error::{TeachError, check_noise};
-use super::fit_result::{FitResult, PointDiagnostic, largest_deviation};
-use super::plane::{FALSE_ALARM, FALSE_ALARM_QUANTILE, NO_REDUNDANCY, REDUNDANT, SPREAD};
-use super::quantile::chi_square;
+use super::fit_result::{
+    Agreement, Deviations, FALSE_ALARM, NO_REDUNDANCY, PointDiagnostic, REDUNDANT,
+};
+use super::plane::SPREAD;
 
 /// Number of redundant coordinates from which on the deviations estimate an unknown noise.
 const MIN_REDUNDANCY: usize = 3;
@@ -35,24 +36,10 @@ pub struct ReferenceFit {
     pub turn: Option<f64>,
     /// Deviation of each reference point from the fit, in the station frame (m).
     pub deviations: Vec<Vector2<f64>>,
-    /// Influence and relative deviation of each reference point.
-    pub diagnostics: Vec<PointDiagnostic>,
-    /// Largest deviation (m).
-    pub worst: f64,
-    /// Largest allowed deviation (m).
-    pub threshold: f64,
-    /// Standard deviation of each coordinate of each reference point, if known (m).
-    pub noise: Option<Vec<f64>>,
-    /// Sum of the squared deviations, each divided by its variance; `None` where the noise is not known.
-    pub chi_square: Option<f64>,
-    /// Value of `chi_square` above which the references count as inconsistent; `None` without redundancy.
-    pub chi_square_limit: Option<f64>,
+    /// How well the reference points agree, by their deviations.
+    pub agreement: Agreement,
     /// Uncertainty; `None` where the noise is neither known nor can be estimated.
     pub uncertainty: Option<ReferenceUncertainty>,
-    /// Redundancy: number of coordinates beyond those that determine centre and heading, the degrees of freedom of the residuals.
-    pub redundancy: usize,
-    /// Whether the reference points agree.
-    pub result: FitResult,
 }
 
 /// Uncertainty of centre and heading.
@@ -144,7 +131,6 @@ pub fn fit_references(
     let freedom = 2 * count - if has_heading { 3 } else { 2 };
     let sum: f64 = deviations.iter().zip(&weights).map(|(d, w)| w * d.norm_squared()).sum();
     let chi = noise.map(|_| sum / (least * least));
-    let limit = (freedom > 0).then(|| chi_square(freedom, FALSE_ALARM_QUANTILE));
     let estimated = (freedom > 0).then(|| (sum / freedom as f64).sqrt());
     let sigma = if noise.is_some() { Some(least) } else { estimated };
     let diagnostic = |k: usize| {
@@ -171,19 +157,19 @@ pub fn fit_references(
         }
     };
     let diagnostics: Vec<PointDiagnostic> = (0..count).map(diagnostic).collect();
-    let largest = diagnostics.iter().filter_map(|one| one.standardized).fold(0.0, f64::max);
-    // The length of two independent normal errors exceeds R with the probability exp(−R²/2).
-    let allowed = (-2.0 * (FALSE_ALARM / count as f64).ln()).sqrt();
-    let is_noisier = chi.zip(limit).is_some_and(|(found, limit)| found > limit);
-    let has_outlier = noise.is_some() && freedom > 0 && largest > allowed;
     let needed = if noise.is_some() { REDUNDANT } else { MIN_REDUNDANCY };
-    let result = if worst > threshold || is_noisier || has_outlier {
-        FitResult::Inconsistent
-    } else if freedom >= needed {
-        FitResult::Fits
-    } else {
-        FitResult::Untested
-    };
+    let agreement = Deviations {
+        diagnostics,
+        worst,
+        threshold,
+        noise,
+        chi_square: chi,
+        redundancy: freedom,
+        // The length of two independent normal errors exceeds R with the probability exp(−R²/2).
+        outlier: (-2.0 * (FALSE_ALARM / count as f64).ln()).sqrt(),
+        is_testable: freedom >= needed,
+    }
+    .tested();
     let uncertainty = sigma.map(|sigma| {
         // A rotation of the plane moves what was measured at a height over it.
         let by_tilt = |tilt: Vector2<f64>| {
@@ -210,15 +196,8 @@ pub fn fit_references(
         shift,
         turn,
         deviations,
-        diagnostics,
-        worst,
-        threshold,
-        noise: noise.map(<[f64]>::to_vec),
-        chi_square: chi,
-        chi_square_limit: limit,
+        agreement,
         uncertainty,
-        redundancy: freedom,
-        result,
     })
 }
 
@@ -226,19 +205,13 @@ impl ReferenceFit {
     /// Index of the reference point to be measured again, where they are inconsistent; `None` where they agree, and where they do not determine which one deviates.
     #[must_use]
     pub fn suspect(&self) -> Option<usize> {
-        if self.result != FitResult::Inconsistent
-            || self.redundancy < REDUNDANT
-            || self.references.len() < 3
-        {
-            return None;
-        }
-        largest_deviation(&self.diagnostics)
+        self.agreement.suspect().filter(|_| self.references.len() >= 3)
     }
 
     /// Number of further reference points with which the fit can be judged.
     #[must_use]
     pub fn missing(&self) -> usize {
-        let needed = if self.noise.is_some() { REDUNDANT } else { MIN_REDUNDANCY };
-        needed.saturating_sub(self.redundancy).div_ceil(2)
+        let needed = if self.agreement.noise.is_some() { REDUNDANT } else { MIN_REDUNDANCY };
+        needed.saturating_sub(self.agreement.redundancy).div_ceil(2)
     }
 }

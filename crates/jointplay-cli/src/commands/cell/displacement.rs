@@ -17,7 +17,7 @@ use jointplay::report::{self, DisplacementReport, WaferDisplacementReport};
 use jointplay::spatial::Tilt;
 
 use super::input::InputArgs;
-use crate::arguments::{finite, length};
+use crate::arguments::{azimuth, finite, length, within_right_angle};
 use crate::failure::Failure;
 use crate::output;
 use jointplay::format::number::fixed;
@@ -68,8 +68,9 @@ fn two(text: &str, read: impl Fn(&str) -> Result<f64, String>) -> Result<[f64; 2
 }
 
 fn tilt(text: &str) -> Result<Tilt, String> {
-    let [azimuth, tilt_angle] = two(text, finite)?.map(f64::to_radians);
-    Ok(Tilt { azimuth, angle: tilt_angle })
+    let [direction, angle] = two(text, finite)?;
+    within_right_angle(angle)?;
+    Ok(Tilt { azimuth: azimuth(direction), angle: angle.to_radians() })
 }
 
 fn position(text: &str) -> Result<Position, String> {

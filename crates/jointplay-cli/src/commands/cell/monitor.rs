@@ -14,7 +14,6 @@ mod with_studio {
     use jointplay_studio::{CellFiles, Server};
     pub(in super::super) use jointplay_studio::{ControllerMonitor as Monitor, HostPlace};
 
-    use super::super::connection;
     use super::super::input::CellArgs;
     use crate::arguments::whole;
     use crate::failure::Failure;
@@ -71,9 +70,15 @@ mod with_studio {
             self.monitor.clone()
         }
 
-        /// Serves page and hosts until Ctrl-C.
-        pub(in super::super) fn run(self, controller: connection::Server) -> Result<(), Failure> {
-            thread::spawn(move || drop(controller.run()));
+        /// Serves the page, and hosts on another thread, until Ctrl-C.
+        ///
+        /// # Arguments
+        /// * `hosts` – serves them
+        pub(in super::super) fn run(
+            self,
+            hosts: impl FnOnce() -> Result<(), Failure> + Send + 'static,
+        ) -> Result<(), Failure> {
+            thread::spawn(move || drop(hosts()));
             Ok(self.server.run()?)
         }
     }
@@ -86,7 +91,6 @@ mod without_studio {
     use clap::Args;
     use jointplay::interop::host::HostSnapshot;
 
-    use super::super::connection;
     use super::super::input::CellArgs;
     use crate::failure::Failure;
 
@@ -143,7 +147,10 @@ mod without_studio {
             match *self {}
         }
 
-        pub(in super::super) fn run(self, _: connection::Server) -> Result<(), Failure> {
+        pub(in super::super) fn run(
+            self,
+            _: impl FnOnce() -> Result<(), Failure>,
+        ) -> Result<(), Failure> {
             match self {}
         }
     }

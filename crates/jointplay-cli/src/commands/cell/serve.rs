@@ -104,7 +104,7 @@ impl Serve {
         let hosts = Hosts { cell: source.cell, language, speed: self.speed, token, monitor };
         let server = Server::new(listener, hosts);
         match page {
-            Some(page) => page.run(server),
+            Some(page) => page.run(move || server.run()),
             None => server.run(),
         }
     }

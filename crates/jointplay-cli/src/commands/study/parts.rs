@@ -24,7 +24,7 @@ use crate::progress::Progress;
 #[derive(Args)]
 pub(super) struct PartsArgs {
     /// Compute into a folder with one file per chunk of samples, described by its study.json; without FILE, the study of the folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "FOLDER")]
     parts: Option<PathBuf>,
     /// Compute the parts i with i mod N = K, which are the share of task K of N [default: 0/1, all parts]
     #[arg(long, value_name = "K/N", value_parser = share, requires = "parts")]
