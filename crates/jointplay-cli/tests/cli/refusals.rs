@@ -58,6 +58,11 @@ fn flags_that_make_no_sense() {
     refuse("completions tcl", 2, "possible values: bash");
     refuse("forward --robot missing.toml", 2, "cannot read missing.toml");
     refuse("forward --robot .", 2, ". is a folder, but a file is needed");
+    refuse(
+        "assemble four-bar --at A=1e308rad",
+        2,
+        "A = 1e308 rad is too large, values must be within ±62831.8530718 rad",
+    );
     refuse("assemble four-bar --branches 0", 2, "expected an integer from 1 to 10000");
     refuse("assemble four-bar --branches many", 2, "invalid value \"many\"");
     refuse("frobnicate", 2, "unrecognized subcommand");
