@@ -12,9 +12,9 @@ use jointplay::format::place;
 use jointplay::format::{robot, three_rods};
 use jointplay::interop::import;
 use jointplay::mechanism::{
-    ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem, branches,
-    close_at_rest, close_nearly, close_sparse, commanded_guess, is_same_configuration,
-    pose_commanded, relieve_commanded,
+    Branches, ChangedDimension, Closure, FrameId, MechanismSystem, Posed, Relief, SparseSystem,
+    branches, close_at_rest, close_nearly, close_sparse, commanded_guess, is_same_configuration,
+    near_miss_at_guess, pose_commanded, relieve_commanded,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -312,17 +312,18 @@ impl Input {
         commands: &[(usize, f64)],
         starts: usize,
         assembled: &Closure,
-    ) -> Result<Vec<Closure>, Failure> {
+    ) -> Result<Branches, Failure> {
         let mechanism = &self.file.mechanism;
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         let start = commanded_guess(mechanism, commands);
-        let mut others = Vec::new();
-        for branch in branches(mechanism, &start, &held, starts)? {
+        let found = branches(mechanism, &start, &held, starts)?;
+        let mut closures = Vec::new();
+        for branch in found.closures {
             if !is_same_configuration(mechanism, &assembled.coordinates, &branch.coordinates)? {
-                others.push(branch);
+                closures.push(branch);
             }
         }
-        Ok(others)
+        Ok(Branches { closures, ..found })
     }
 
     /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
@@ -330,7 +331,22 @@ impl Input {
         let posed = pose_commanded(&self.file.mechanism, commands, self.tolerance)
             .map_err(|error| self.unrelieved(commands, error))?;
         self.note_search(commands, &posed.closed);
+        if commands.is_empty() && posed.relief.is_none() {
+            self.note_near_miss(&posed.closed)?;
+        }
         Ok(posed)
+    }
+
+    /// A note of the near miss at the guess, where the loops close exactly only far from it.
+    fn note_near_miss(&self, closed: &Closure) -> Result<(), Failure> {
+        let mechanism = &self.file.mechanism;
+        if self.tolerance.is_some() || !self.is_dense() {
+            return Ok(());
+        }
+        if let Some(near) = near_miss_at_guess(mechanism, closed)? {
+            console::note(&report::near_miss_note(&self.file, &near, closed));
+        }
+        Ok(())
     }
 
     /// The least displacement of the virtual joints that makes the commanded coordinates possible.

@@ -467,7 +467,7 @@ fn links_that_do_not_fit_are_distinguished_from_a_bad_guess() {
     };
     let good = triangle(1.0);
     assert!(assemble(&good, &guess(&good), &[], 8).unwrap().is_closed());
-    assert_eq!(branches(&good, &guess(&good), &[], 40).unwrap().len(), 2);
+    assert_eq!(branches(&good, &guess(&good), &[], 40).unwrap().closures.len(), 2);
     let bad = triangle(5.0);
     let Err(Error::NotAssembled(found)) = assemble(&bad, &guess(&bad), &[], 8) else {
         panic!("a side of 5 between sides of 1 and 1.2");

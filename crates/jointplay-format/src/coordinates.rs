@@ -67,11 +67,11 @@ pub enum Error {
     TooLarge {
         /// Name of the coordinate.
         name: String,
-        /// The value, in the unit of the file.
+        /// The value, in `unit`.
         found: String,
-        /// The largest allowed value, in the unit of the file.
+        /// The largest allowed value, in `unit`.
         largest: String,
-        /// The unit of the file.
+        /// The unit of the file, or that of SI where the value is too large for the former.
         unit: String,
     },
     /// A joint without freedoms.
@@ -109,9 +109,19 @@ impl Coordinates {
         if value.abs() <= self.largest_si(k) {
             return Ok(value);
         }
+        let (name, in_unit) = (self.named[k].name.clone(), self.from_si(k, value));
+        if value.is_finite() && in_unit.is_infinite() {
+            // The unit of the file has no finite number for it.
+            let unit = match self.named[k].quantity {
+                Coordinate::Slide => "m",
+                Coordinate::Turn => "rad",
+            };
+            let (found, largest) = (number(value), number(self.largest_si(k)));
+            return Err(Error::TooLarge { name, found, largest, unit: unit.to_owned() });
+        }
         Err(Error::TooLarge {
-            name: self.named[k].name.clone(),
-            found: number(self.from_si(k, value)),
+            name,
+            found: number(in_unit),
             largest: number(self.largest(k)),
             unit: self.unit(k).to_owned(),
         })

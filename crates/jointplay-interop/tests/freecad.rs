@@ -169,7 +169,7 @@ fn parts_without_labels_or_with_equal_ones_have_their_names_in_the_file() {
 #[test]
 fn entities_deep_elements_and_groups_in_themselves_are_refused_or_end() {
     let bomb = "<?xml version='1.0'?><!DOCTYPE d [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;\">]><Document>&b;</Document>";
-    assert!(parse(bomb).unwrap_err().to_string().contains("not well-formed XML"));
+    assert!(parse(bomb).unwrap_err().to_string().contains("remove `<!DOCTYPE"));
     let deep = format!("<Document>{}{}</Document>", "<a>".repeat(5000), "</a>".repeat(5000));
     assert!(parse(&deep).unwrap_err().to_string().contains("more than 1000 deep"));
     // The group of the joints contains itself.

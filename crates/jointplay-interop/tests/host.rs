@@ -300,6 +300,22 @@ fn forms_of_lines_that_multiply_the_text_fit_no_line() {
     assert!(answer.starts_with("REFUSED 1 "), "{answer}");
 }
 
+/// What earlier commands did with wafers is not the start of a program.
+#[test]
+fn refusals_of_wafers_state_what_is_there() {
+    let language = HostLanguage::neutral();
+    let mut host = Host::new(&language, 1.0);
+    host.execute("GET LP1 3 A");
+    for (line, answer) in [
+        ("GET LP1 3 B", "REFUSED 4 slot 3 of LP1 is empty; PUT a wafer there first\n"),
+        ("GET LP1 4 A", "REFUSED 4 effector A already carries a wafer; PUT that first\n"),
+        ("PUT LP1 4 A", "REFUSED 4 slot 4 of LP1 already holds a wafer; GET that first\n"),
+        ("PUT LP1 3 B", "REFUSED 4 effector B carries no wafer; GET one first\n"),
+    ] {
+        assert_eq!(host.send(line).replace('\r', ""), answer);
+    }
+}
+
 #[test]
 fn names_of_a_cell_cannot_become_commands() {
     let text = cell::EXAMPLE.replace("\"LP1\"", "\"WITH\"");
@@ -344,6 +360,105 @@ fn invalid_languages_are_rejected_with_the_place_of_each_error() {
         "program = [\"MOVE {slot}",
         "is not a name of this template",
     );
+}
+
+/// Commands, lines of their words, and either with other bytes in places, as a faulty host sends them.
+fn faulty_lines() -> impl Strategy<Value = Vec<Vec<u8>>> {
+    let words = prop::sample::select(vec![
+        "GET",
+        "PUT",
+        "SWAP",
+        "GOTO",
+        "MOVE",
+        "TILT",
+        "TOWARD",
+        "SPEED",
+        "LP1",
+        "LP2",
+        "A",
+        "B",
+        "T",
+        "RA",
+        "q1",
+        "1",
+        "3",
+        "25",
+        "26",
+        "-1",
+        "0.5",
+        "1e9",
+        "1e-300",
+        "99999999999999999999",
+        "NaN",
+        "inf",
+        "",
+        "\u{00e4}",
+        "*",
+    ]);
+    let words = vec(words, 1..7).prop_map(|words| words.join(" "));
+    let commands = prop::sample::select(vec![
+        "HOME",
+        "GET LP1 3 A",
+        "GET LP1 4 B",
+        "PUT LP2 3 A",
+        "PUT LP2 4 B",
+        "SWAP LP1 5 GET B PUT A",
+        "GOTO LP1 1 A",
+        "MOVE T 10",
+        "MOVE q1 380",
+        "TILT 0.5 TOWARD 30",
+        "LEVEL",
+        "SPEED 50",
+        "STATUS",
+        "MAP LP1",
+        "STOP",
+        "RESET",
+    ]);
+    let line = prop_oneof![3 => commands.prop_map(str::to_owned), 1 => words];
+    let line = line.prop_map(String::into_bytes);
+    let changes = vec((any::<prop::sample::Index>(), any::<u8>()), 0..3);
+    let changed = (line, changes, 0..8_u8).prop_map(|(mut line, changes, is_changed)| {
+        let length = line.len();
+        for (place, byte) in changes.into_iter().filter(|_| is_changed == 0 && length > 0) {
+            line[place.index(length)] = byte;
+        }
+        line
+    });
+    vec(changed, 1..8)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    /// As the fuzz target `host`, with lines that are commands more often.
+    #[test]
+    fn any_order_of_commands_leaves_a_state_of_the_robot(
+        lines in faulty_lines(),
+        waits in any::<u8>(),
+        is_framed in any::<bool>(),
+    ) {
+        let language = if is_framed { framed() } else { HostLanguage::neutral() };
+        let mut session = HostSession::new(&language, example(), 1000.0).unwrap();
+        let mut now = 0.0;
+        for (number, line) in lines.iter().enumerate() {
+            now += 0.001;
+            let answer = session.receive(line, now).unwrap();
+            prop_assert!(!answer.is_empty() && answer.ends_with('\n'), "{:?}: {:?}", line, answer);
+            // Half of the commands are interrupted by the next line.
+            if waits >> (number % 8) & 1 == 1 {
+                while let Some(time) = session.next_event() {
+                    prop_assert!(time.is_finite() && time >= now, "{} after {}", time, now);
+                    now = time;
+                    session.advance(now).unwrap();
+                }
+            }
+        }
+        let snapshot = session.snapshot();
+        let state = snapshot.state_at(now);
+        let are_numbers = state.positions.iter().all(|position| position.is_finite());
+        prop_assert!(are_numbers && state.wafers.len() == example().occupied.len(), "{:?}", state);
+        prop_assert!(snapshot.events().len() <= 20);
+    }
 }
 
 proptest! {

@@ -75,6 +75,8 @@ impl PyMechanism {
 
     /// Closed configurations found from many starts.
     ///
+    /// The search ends when 16 are found from other starts than the guess: a list of 16 or 17 may lack some.
+    ///
     /// Parameters
     /// ----------
     /// at : dict of str to float, optional
@@ -98,6 +100,7 @@ impl PyMechanism {
             .detach(|| branches(&this.file.mechanism, &start, &held, starts))
             .map_err(|error| errors::core(py, &error))?;
         found
+            .closures
             .iter()
             .map(|one| {
                 results::configuration(py, slf, &one.coordinates, one.residual, one.iterations)

@@ -9,6 +9,7 @@
 //! | write the table of a study chunk by chunk, and resume it | [`study_table`] |
 //! | compute a study in parts, and gather them | [`study_parts`] |
 
+mod assembly;
 mod ball_clearance;
 mod beyond;
 mod cell;
@@ -47,6 +48,7 @@ mod violation;
 mod violation_group;
 mod virtual_joints;
 
+pub use assembly::{AssemblyReport, BranchSearchReport, assembly};
 pub use ball_clearance::{BallClearanceReport, ball_clearance};
 pub use beyond::beyond_limits;
 pub use cell::{
@@ -69,9 +71,9 @@ pub use jacobian::{
 };
 pub use limits::{LimitReport, limits};
 pub use mechanism::{
-    AssemblyReport, ByName, ConfigurationReport, CoordinateDisplacementReport, LinkMotionReport,
+    ByName, ConfigurationReport, CoordinateDisplacementReport, LinkMotionReport,
     MechanismMobilityReport, NearMissReport, NearReport, SparseMobilityReport, UnitsReport,
-    assembly, by_name, configuration, largest_displacement, mechanism_mobility, search_note,
+    by_name, configuration, largest_displacement, mechanism_mobility, near_miss_note, search_note,
     sparse_mobility,
 };
 pub use mobility::{FreedomsReport, MobilityReport, mobility};

@@ -1,4 +1,4 @@
-//! Reports on mechanisms: assembly and mobility.
+//! Reports on mechanisms: configurations and mobility.
 
 use jointplay_core::Error;
 use jointplay_core::constraint::System as _;
@@ -59,31 +59,6 @@ pub struct ConfigurationReport {
     pub iterations: usize,
 }
 
-/// Result of `assemble`.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct AssemblyReport {
-    /// Name of the mechanism.
-    pub name: String,
-    /// Units of the coordinates.
-    pub units: UnitsReport,
-    /// The closed configuration nearest the guess.
-    #[serde(flatten)]
-    pub closed: ConfigurationReport,
-    /// The coordinate that is farthest from the guess of the file; `None` without coordinates and for mechanisms with very many loops.
-    pub farthest_from_guess: Option<CoordinateDisplacementReport>,
-    /// Displacements of the virtual joints by name, if rigid links cannot close the loops with the given values.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub virtual_joints: Option<ByName<f64>>,
-    /// Coordinates beyond their limits or clearance.
-    pub limits_broken: Vec<LimitReport>,
-    /// Accepted closure residual, if the loops did not close exactly, in radians and characteristic lengths.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tolerance: Option<f64>,
-    /// Other closed configurations, if requested.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub branches: Option<Vec<ConfigurationReport>>,
-}
-
 /// Displacement of a coordinate.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct CoordinateDisplacementReport {
@@ -139,13 +114,31 @@ pub fn search_note(file: &MechanismFile, guess: &DVector<f64>, closed: &Closure)
         "the guess is beyond the joint limits: the nearest configuration within them is used"
             .to_owned()
     };
-    let moved = largest_displacement(file, guess, &closed.coordinates).map(|moved| {
+    Some(why + &farthest_from_guess(file, guess, closed))
+}
+
+/// Why a closed configuration is far from the guess: with the actuated joints there, the loops close nearly.
+///
+/// # Arguments
+/// * `near` – the configuration with the actuated joints at their guesses
+#[must_use]
+pub fn near_miss_note(file: &MechanismFile, near: &Closure, closed: &Closure) -> String {
+    format!(
+        "with the actuated joints at their guesses the loops are open by {:.1e}, and the closed configuration is used{}; if dimensions are rounded, see --tolerance",
+        near.residual,
+        farthest_from_guess(file, &guess(&file.mechanism), closed)
+    )
+}
+
+/// The coordinate of a configuration that is farthest from the guess, as the end of a sentence.
+fn farthest_from_guess(file: &MechanismFile, guess: &DVector<f64>, closed: &Closure) -> String {
+    let moved = largest_displacement(file, guess, &closed.coordinates);
+    moved.map_or_else(String::new, |moved| {
         let coordinates = Coordinates::of(file);
         let k = moved.coordinate;
         let (value, unit) = (fixed(moved.value, coordinates.decimals(k)), coordinates.unit(k));
         format!("; farthest from the guess is {} by {value} {unit}", moved.name)
-    });
-    Some(why + &moved.unwrap_or_default())
+    })
 }
 
 /// Coordinates of the joints by name, without virtual joints.
@@ -165,40 +158,6 @@ pub fn configuration(coordinates: &Coordinates, closed: &Closure) -> Configurati
         coordinates: by_name(coordinates, &closed.coordinates),
         residual: closed.residual,
         iterations: closed.iterations,
-    }
-}
-
-/// Reports an assembled mechanism.
-///
-/// # Arguments
-/// * `relief` – displacements of the virtual joints, if any were necessary
-/// * `tolerance` – largest closure residual that counts as closed, if one was given, in radians and characteristic lengths
-#[must_use]
-pub fn assembly(
-    file: &MechanismFile,
-    closed: &Closure,
-    relief: Option<&Relief>,
-    tolerance: Option<f64>,
-    branches: Option<&[Closure]>,
-) -> AssemblyReport {
-    let coordinates = Coordinates::of(file);
-    let report = |closed| configuration(&coordinates, closed);
-    AssemblyReport {
-        name: file.mechanism.name().to_owned(),
-        units: UnitsReport::of(&coordinates),
-        closed: report(closed),
-        farthest_from_guess: largest_displacement(
-            file,
-            &guess(&file.mechanism),
-            &closed.coordinates,
-        ),
-        virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
-        limits_broken: beyond_limits(
-            &coordinates,
-            &file.mechanism.beyond_limits(&closed.coordinates),
-        ),
-        tolerance: tolerance.filter(|_| !closed.is_closed()),
-        branches: branches.map(|branches| branches.iter().map(report).collect()),
     }
 }
 

@@ -196,10 +196,7 @@ pub enum ProgramProblem {
         allowed: u64,
     },
     /// GET from an empty slot.
-    #[error("{slot} is empty: {}", match .changed_at_line {
-        None => "it has no wafer at the start, and none was placed there since".to_owned(),
-        Some(line) => format!("its wafer was picked in line {line}"),
-    })]
+    #[error("{slot} is empty{}; PUT a wafer there first", since_line(.changed_at_line))]
     EmptySlot {
         /// The slot.
         slot: String,
@@ -207,7 +204,7 @@ pub enum ProgramProblem {
         changed_at_line: Option<usize>,
     },
     /// GET with an effector that carries a wafer.
-    #[error("effector {effector} already carries a wafer, {}; PUT that first", since_line(.changed_at_line))]
+    #[error("effector {effector} already carries a wafer{}; PUT that first", since_line(.changed_at_line))]
     EffectorLoaded {
         /// Name of the effector.
         effector: String,
@@ -215,7 +212,7 @@ pub enum ProgramProblem {
         changed_at_line: Option<usize>,
     },
     /// PUT into a slot that holds a wafer.
-    #[error("{slot} already holds a wafer, {}; GET that first", since_line(.changed_at_line))]
+    #[error("{slot} already holds a wafer{}; GET that first", since_line(.changed_at_line))]
     SlotOccupied {
         /// The slot.
         slot: String,
@@ -223,10 +220,7 @@ pub enum ProgramProblem {
         changed_at_line: Option<usize>,
     },
     /// PUT with an effector that carries no wafer.
-    #[error("effector {effector} carries no wafer{}; GET one first", match .changed_at_line {
-        None => String::new(),
-        Some(line) => format!(" since line {line}"),
-    })]
+    #[error("effector {effector} carries no wafer{}; GET one first", since_line(.changed_at_line))]
     EffectorEmpty {
         /// Name of the effector.
         effector: String,
@@ -423,7 +417,7 @@ fn violated(violations: &[LimitViolation]) -> String {
 }
 
 fn since_line(line: &Option<usize>) -> String {
-    line.map_or_else(|| "from the start".to_owned(), |line| format!("since line {line}"))
+    line.map_or_else(String::new, |line| format!(" since line {line}"))
 }
 
 fn slots_of(slots: usize) -> String {

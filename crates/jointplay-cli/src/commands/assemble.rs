@@ -31,7 +31,7 @@ pub(crate) struct Assemble {
     /// Commanded joint coordinates, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values)]
     at: Vec<JointValues>,
-    /// Also search for other closed configurations, from this number of random starts
+    /// Also search for other closed configurations, from this number of random starts, until 16 are found
     #[arg(long, value_name = "STARTS", value_parser = |text: &str| whole::<u16>(text, 1, 10_000))]
     branches: Option<u16>,
     #[command(flatten)]
@@ -54,7 +54,7 @@ impl Assemble {
             &closed,
             relief.as_ref(),
             input.tolerance,
-            others.as_deref(),
+            others.as_ref(),
         );
         self.mechanism.format.print(&report, |report| text(&input, report))?;
         input.within_limits(&closed.coordinates)
@@ -77,6 +77,14 @@ fn text(input: &Input, report: &AssemblyReport) -> String {
     let _ = writeln!(text, "  iterations           {}", report.closed.iterations);
     if let Some(branches) = &report.branches {
         let _ = writeln!(text, "{} found", counted(branches.len(), "other closed configuration"));
+        if let Some(search) = report.branch_search.as_ref().filter(|search| search.limit_reached) {
+            let _ = writeln!(
+                text,
+                "the search ended at its limit of {} after {}: there may be more",
+                counted(search.limit, "configuration"),
+                counted(search.starts, "start")
+            );
+        }
         for (i, branch) in branches.iter().enumerate() {
             let _ = writeln!(text, "configuration {}", i + 2);
             text.push_str(&input.table(&branch.coordinates.0, 0));

@@ -249,7 +249,11 @@ fn a_document_of_freecad_is_a_model() {
     refused(&sandbox, "import press.FCStd --units mm", "--units applies to assemblies");
     refused(&sandbox, "study press.FCStd", "is a model of another program");
     std::fs::write(sandbox.file("cut.FCStd"), &archive[..5000]).unwrap();
-    refused(&sandbox, "import cut.FCStd", "cut.FCStd: the file is no archive of FreeCAD");
+    refused(
+        &sandbox,
+        "import cut.FCStd",
+        "cut.FCStd: the archive of FreeCAD cannot be read: it is damaged or incomplete",
+    );
     // Bytes of anything, text of anything, and a document that was unpacked.
     let bytes: Vec<u8> = (0..400_u32).map(|k| (k * k % 251) as u8).collect();
     for content in [&bytes[..], b"", b"kind = \"mechanism\""] {
@@ -263,7 +267,11 @@ fn a_document_of_freecad_is_a_model() {
     std::fs::write(sandbox.file("plain.FCStd"), "<Document/>").unwrap();
     refused(&sandbox, "import plain.FCStd", "without an assembly");
     std::fs::write(sandbox.file("other.FCStd"), b"PK\x03\x04").unwrap();
-    refused(&sandbox, "mobility other.FCStd", "other.FCStd: the file is no archive of FreeCAD");
+    refused(
+        &sandbox,
+        "mobility other.FCStd",
+        "other.FCStd: the archive of FreeCAD cannot be read: it is damaged or incomplete",
+    );
 }
 
 #[test]

@@ -59,6 +59,63 @@ fn the_assembled_configuration_is_not_listed_as_another_a_turn_away() {
     assert!((of_last(other).rem_euclid(360.0) - 116.298_738).abs() < 1e-6, "{found}");
 }
 
+/// Three cranks whose rounded lengths close exactly only where they are nearly stretched.
+#[test]
+fn a_tolerance_keeps_actuated_joints_at_their_guesses() {
+    let crank = |k: usize, [base, length, coupler]: [f64; 3]| {
+        let actuated = if k == 1 { "actuated = true" } else { "" };
+        let z = "axis = [0, 0, 1], zero = [1, 0, 0]";
+        format!(
+            "[[joint]]\nname = \"A{k}\"\nkind = \"revolute\"\nlinks = [\"ground\", \"crank {k}\"]\nguess = 65\n{actuated}\nframes = [{{ point = [{base}, 0, 0], {z} }}, {{ point = [0, 0, 0], {z} }}]\n[[joint]]\nname = \"B{k}\"\nkind = \"revolute\"\nlinks = [\"crank {k}\", \"coupler\"]\nguess = -65\nframes = [{{ point = [{length}, 0, 0], {z} }}, {{ point = [{coupler}, 0, 0], {z} }}]\n"
+        )
+    };
+    let cranks = [[0.0, 0.1, 0.0], [0.15, 0.1, 0.15], [0.35, 0.1001, 0.3501]];
+    let joints: String = (1..).zip(cranks).map(|(k, lengths)| crank(k, lengths)).collect();
+    let sandbox = Sandbox::new();
+    sandbox.write(
+        "cranks.toml",
+        &format!(
+            "kind = \"mechanism\"\nname = \"cranks\"\nunits = {{ length = \"m\", angle = \"deg\" }}\nbase = \"ground\"\n{joints}"
+        ),
+    );
+    let near = sandbox.json("assemble cranks.toml --tolerance 1e-3");
+    assert!((near["coordinates"]["A1"].as_f64().unwrap() - 65.0).abs() < 1e-9, "{near}");
+    let open = near["residual"].as_f64().unwrap();
+    assert!((1e-5..1e-3).contains(&open), "{near}");
+    assert!(sandbox.done("mobility cranks.toml --tolerance 1e-3").contains("within a tolerance"));
+
+    let exact = sandbox.run("assemble cranks.toml");
+    assert_eq!(exact.code, 0, "{}", exact.stderr);
+    let words = "with the actuated joints at their guesses the loops are open by";
+    assert!(
+        exact.stderr.contains(words) && exact.stderr.contains("--tolerance"),
+        "{}",
+        exact.stderr
+    );
+}
+
+/// With its crank free, the linkage has any number of configurations.
+#[test]
+fn a_search_for_configurations_that_ends_at_its_limit_is_reported() {
+    let sandbox = Sandbox::new();
+    let free = sandbox.json("assemble four-bar --branches 500");
+    assert_eq!(free["branches"].as_array().unwrap().len(), 16, "{free}");
+    let search = &free["branch_search"];
+    assert_eq!((&search["limit"], &search["limit_reached"]), (&16.into(), &true.into()));
+    let starts = search["starts"].as_u64().unwrap();
+    assert!((16..500).contains(&starts), "{search}");
+    let words = format!(
+        "the search ended at its limit of 16 configurations after {starts} starts: there may be more"
+    );
+    let text = sandbox.done("assemble four-bar --branches 500");
+    assert!(text.contains(&words), "{text}");
+
+    let held = sandbox.json("assemble four-bar --at A=30 --branches 50");
+    let search = &held["branch_search"];
+    assert_eq!((&search["starts"], &search["limit_reached"]), (&50.into(), &false.into()));
+    assert!(!sandbox.done("assemble four-bar --at A=30 --branches 50").contains("limit"));
+}
+
 #[test]
 fn mobility_equals_that_of_the_catalogue() {
     let sandbox = Sandbox::new();

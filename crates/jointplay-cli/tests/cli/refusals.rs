@@ -60,6 +60,11 @@ fn flags_that_make_no_sense() {
     refuse("forward --robot .", 2, ". is a folder, but a file is needed");
     refuse("assemble four-bar --branches 0", 2, "expected a whole number from 1 to 10000");
     refuse("assemble four-bar --branches many", 2, "invalid value 'many'");
+    refuse(
+        "assemble four-bar --at A=1e308rad",
+        2,
+        "A = 1e308 rad is too large, values must be within ±62831.8530718 rad",
+    );
     refuse("frobnicate", 2, "unrecognized subcommand");
 }
 

@@ -20,8 +20,19 @@ const MAX_ITERATIONS: usize = 200;
 ///
 /// Twice the range of the other starts: closures of a mechanism are of its own size.
 const DRIFT: f64 = 2.0 * START_RANGE;
-/// Branches listed at most.
-const MAX_BRANCHES: usize = 16;
+/// Number of closed configurations from other starts at which a search ends: mechanisms with free motions have any number.
+pub const MAX_BRANCHES: usize = 16;
+
+/// Closed configurations that a search found, see [`branches`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Branches {
+    /// The configurations; one that corrections from the guess lead to is first.
+    pub closures: Vec<Closure>,
+    /// Number of other starts that were tried.
+    pub starts: usize,
+    /// Whether the search ended before the requested number of starts because it had found [`MAX_BRANCHES`]: there may be more.
+    pub is_limited: bool,
+}
 
 /// The configuration that the user's guesses describe: zeros where there are none, virtual joints at rest.
 #[must_use]
@@ -110,15 +121,17 @@ pub(super) fn assemble_within(
         near_guess,
         loops,
         couplings,
-        branches,
+        branches: branches.closures,
         nearest,
-        starts,
+        starts: branches.starts,
         best_drifts,
         near_guess_drifts,
     })))
 }
 
 /// Closed configurations found from many starts, the first from the guess itself.
+///
+/// The search ends when [`MAX_BRANCHES`] are found from other starts.
 ///
 /// # Arguments
 /// As [`assemble`].
@@ -130,14 +143,14 @@ pub fn branches(
     start: &DVector<f64>,
     held: &[usize],
     starts: usize,
-) -> Result<Vec<Closure>, Error> {
+) -> Result<Branches, Error> {
     let system = MechanismSystem::new(mechanism, start.clone())?;
     let free = free(mechanism, held);
     let first = close(&system, &free, MAX_ITERATIONS)?;
     let (mut found, _) = search(&system, &free, starts, first.clone())?;
     if first.is_closed() {
-        found.retain(|branch| !same(&system, &branch.coordinates, &first.coordinates));
-        found.insert(0, first);
+        found.closures.retain(|branch| !same(&system, &branch.coordinates, &first.coordinates));
+        found.closures.insert(0, first);
     }
     Ok(found)
 }
@@ -196,10 +209,12 @@ fn search(
     free: &[usize],
     starts: usize,
     mut best: Closure,
-) -> Result<(Vec<Closure>, Closure), Error> {
+) -> Result<(Branches, Closure), Error> {
     let mut random = Random(1);
     let mut branches: Vec<Closure> = Vec::new();
-    for _ in 0..starts {
+    let mut tried = 0;
+    while tried < starts && branches.len() < MAX_BRANCHES {
+        tried += 1;
         let mut by = DVector::zeros(system.home().len());
         for &k in free {
             by[k] = random.next()
@@ -220,11 +235,9 @@ fn search(
         if found.residual < best.residual {
             best = found;
         }
-        if branches.len() >= MAX_BRANCHES {
-            break;
-        }
     }
-    Ok((branches, best))
+    let is_limited = tried < starts;
+    Ok((Branches { closures: branches, starts: tried, is_limited }, best))
 }
 
 /// Whether all links are where they are in another configuration.

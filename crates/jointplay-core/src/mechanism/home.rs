@@ -36,6 +36,7 @@ pub fn commanded_guess(mechanism: &Mechanism, commands: &[(usize, f64)]) -> DVec
 /// The closed configuration nearest to the guess, with commanded coordinates held and virtual joints at rest.
 ///
 /// Where corrections from the guess do not close the loops, it is the one that [`Unassembled::accepted`] chooses; where they end beyond limits, it is the nearest found within, if any: with commands on the same branch only.
+/// With a tolerance and no commands, actuators stay at their guesses where the loops close there within the tolerance and the limits, and exactly only far from there.
 ///
 /// # Arguments
 /// * `commands` – indices of joint coordinates with their values (m, rad)
@@ -50,6 +51,13 @@ pub fn close_commanded(
 ) -> Result<Closure, Error> {
     let accepted = |found: &Unassembled, tolerance: Option<f64>| found.accepted(tolerance).cloned();
     let closed = close(mechanism, commands, tolerance, accepted)?;
+    if let Some(tolerance) = tolerance.filter(|_| commands.is_empty())
+        && let Some(near) = near_miss_at_guess(mechanism, &closed)?
+        && near.residual <= tolerance
+        && mechanism.beyond_limits(&near.coordinates).is_empty()
+    {
+        return Ok(near);
+    }
     let is_held = |k: usize| commands.iter().any(|&(held, _)| held == k);
     let beyond = mechanism.beyond_limits(&closed.coordinates);
     let is_within = beyond.iter().all(|one| is_held(one.coordinate));
@@ -109,7 +117,7 @@ fn close_rigid_nearly(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<C
     let rigid = rigid.expect("a list without virtual joints is valid");
     match close_commanded(&rigid, &[], tolerance) {
         Ok(home) if !MechanismSystem::fits(&rigid) => Ok(home),
-        Ok(home) => Ok(nearer_miss(&rigid, &home)?.unwrap_or(home)),
+        Ok(home) => Ok(near_miss_at_guess(&rigid, &home)?.unwrap_or(home)),
         Err(Error::NotAssembled(found)) => match (found.near_miss(), near_at_guess(&rigid)?) {
             (Some(_), Some(near)) => Ok(near),
             (Some(near), None) => Ok(near.clone()),
@@ -120,7 +128,13 @@ fn close_rigid_nearly(mechanism: &Mechanism, tolerance: Option<f64>) -> Result<C
 }
 
 /// The near miss with the actuators at their guesses, where the closed configuration is far from it: a correction follows a motion that nearly closes as far as it has to.
-fn nearer_miss(mechanism: &Mechanism, home: &Closure) -> Result<Option<Closure>, Error> {
+///
+/// # Arguments
+/// * `home` – the closed configuration, see [`close_commanded`]
+///
+/// # Errors
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
+pub fn near_miss_at_guess(mechanism: &Mechanism, home: &Closure) -> Result<Option<Closure>, Error> {
     let system = MechanismSystem::new(mechanism, guess(mechanism))?;
     let units = units(system.kinematics().dimensions(), system.characteristic_length());
     let by = system.kinematics().displacement(system.home(), &home.coordinates);

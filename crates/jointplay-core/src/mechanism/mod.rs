@@ -59,7 +59,7 @@ mod virtual_candidates;
 mod virtual_sets;
 
 pub use crate::spatial::FrameTwist;
-pub use assembly::{assemble, branches, guess, is_same_configuration};
+pub use assembly::{Branches, MAX_BRANCHES, assemble, branches, guess, is_same_configuration};
 pub use attached_frame::{AttachedFrame, FrameId};
 pub use blocks::{Block, MechanismMobility, OpenLoops, blocks, mechanism_mobility};
 pub use closing::close;
@@ -77,7 +77,9 @@ pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion, poses_alon
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
 pub use frame_drive::drive_frames;
 pub use frame_path::{FramePath, FrameTarget, OrientationTarget};
-pub use home::{close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess};
+pub use home::{
+    close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess, near_miss_at_guess,
+};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;

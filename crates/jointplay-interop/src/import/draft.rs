@@ -10,7 +10,7 @@ use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
 use super::model::{Dialect, Imported};
-use super::problem::Error;
+use super::problem::{Error, Problem};
 use super::starts::start;
 use super::xml::{Value, Xml, place};
 
@@ -213,10 +213,18 @@ impl<'a> Draft<'a> {
                 | E::LimitsReversed { name, .. } => joints.place(name),
                 _ => None,
             };
-            xml.error(found.unwrap_or(root), error)
+            xml.error(found.unwrap_or_else(|| root.clone()), error)
         })?;
         remarks.extend(ignored.into_iter().map(|(what, count)| format!("{count} × {what}")));
-        Ok(Imported { mechanism, dialect, ignored: remarks })
+        let imported = Imported { mechanism, dialect, ignored: remarks };
+        imported.check_numbers().map_err(|problem| {
+            let found = match &problem {
+                Problem::TooLarge { whose, .. } => joints.place(whose).or_else(|| place_of(whose)),
+                _ => None,
+            };
+            xml.error(found.unwrap_or(root), problem)
+        })?;
+        Ok(imported)
     }
 }
 

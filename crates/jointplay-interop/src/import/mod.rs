@@ -33,6 +33,8 @@ mod starts;
 #[cfg(test)]
 mod testing;
 mod urdf;
+mod urdf_constraint;
+mod urdf_place;
 mod xml;
 mod xml_limits;
 

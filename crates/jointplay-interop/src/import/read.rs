@@ -283,6 +283,30 @@ mod tests {
     }
 
     #[test]
+    fn numbers_too_large_have_the_place_of_their_element() {
+        let model = "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>
+<joint name=\"i\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint>
+  <joint name=\"j\" type=\"continuous\"><origin xyz=\"2e6 0 0\"/><parent link=\"a\"/><child link=\"c\"/></joint>
+</robot>";
+        let error = parse(model).unwrap_err();
+        assert_eq!((error.place.line, error.place.column), (3, 3), "{error}");
+        let body = "<mujoco><worldbody>\n<body><joint name=\"i\"/><geom size=\"1\"/>
+<body name=\"far\" pos=\"0 0 -3e6\"><joint name=\"j\"/></body></body></worldbody></mujoco>";
+        assert_eq!(parse(body).unwrap_err().place.line, 3);
+        let coupled = "<mujoco><worldbody><body><joint name=\"i\"/>\n<body><joint name=\"j\"/></body></body></worldbody>
+<equality>\n<joint joint1=\"i\" joint2=\"j\" polycoef=\"0 1e15 0 0 0\"/></equality></mujoco>";
+        assert_eq!(parse(coupled).unwrap_err().place.line, 4);
+    }
+
+    #[test]
+    fn models_with_a_document_type_are_refused_for_it() {
+        let text =
+            "<!DOCTYPE robot [<!ENTITY a \"b\">]>\n<robot name=\"&a;\"><link name=\"a\"/></robot>";
+        let error = parse(text).unwrap_err().to_string();
+        assert!(error.contains("remove `<!DOCTYPE") && !error.contains("well-formed"), "{error}");
+    }
+
+    #[test]
     fn long_models_are_rejected() {
         let text = format!("<robot name=\"r\">{}</robot>", " ".repeat(MAX_BYTES));
         assert!(parse(&text).unwrap_err().to_string().contains("at most 4000000 are allowed"));

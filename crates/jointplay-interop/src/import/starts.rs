@@ -2,7 +2,23 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use jointplay_core::mechanism::{Coupling, Joint, JointCoordinate};
+use jointplay_core::mechanism::{Coupling, Joint, JointCoordinate, JointKind};
+use jointplay_core::spatial::{Pose, rotation_vector};
+
+/// The coordinates of a joint whose frames are nearest these two (m, rad).
+pub(super) fn coordinates_between(kind: JointKind, first_from_second: &Pose) -> Vec<f64> {
+    let (rotation, shift) = (first_from_second.rotation, first_from_second.translation.vector);
+    let angle = rotation[(1, 0)].atan2(rotation[(0, 0)]);
+    match kind {
+        JointKind::Revolute => vec![angle],
+        JointKind::Prismatic => vec![shift.z],
+        JointKind::Cylindrical => vec![shift.z, angle],
+        JointKind::Spherical => rotation_vector(&rotation).iter().copied().collect(),
+        JointKind::Planar => vec![shift.x, shift.y, angle],
+        JointKind::Universal => vec![angle, rotation[(2, 1)].atan2(rotation[(2, 2)])],
+        _ => Vec::new(),
+    }
+}
 
 /// Gives joints without a guess one where zero is beyond their limits, or follows others; returns remarks.
 pub(super) fn start(joints: &mut [Joint], couplings: &[Coupling]) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! Robots of ROS (URDF): links in a tree; loops come from a second file, see [`super::parse_closed`].
+//! Robots of ROS (URDF): links in a tree; loops come from constraints, or from a second file, see [`super::parse_closed`].
 //!
 //! The root link is the base.
 //! Joints of a transmission, or with a command interface, are actuated; a joint that mimics another is coupled to it.
@@ -7,15 +7,18 @@ use std::collections::BTreeSet;
 
 use jointplay_core::mechanism::{Coupling, JointKind};
 use jointplay_core::spatial::Pose;
-use nalgebra::{Rotation3, Translation3, Vector3};
+use nalgebra::Vector3;
 use roxmltree::Node;
 use strsim::osa_distance;
 
 use super::draft::{Draft, bare};
 use super::model::{Dialect, Imported};
 use super::problem::Error;
+use super::urdf_constraint::constraint;
+use super::urdf_place::{end, pose_of};
 use super::xml::{
-    Advice, MOST_QUOTED, Value, attribute, children, content, elements, is_foreign, place,
+    Advice, EXPAND_XACRO, MOST_QUOTED, Value, attribute, children, content, elements, is_foreign,
+    place,
 };
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
@@ -34,10 +37,9 @@ pub(super) fn read<'a>(
     for node in children(root) {
         let tag = node.tag_name();
         match (is_foreign(node), tag.name()) {
-            (false, "link" | "joint" | "transmission" | "ros2_control") => {}
+            (false, "link" | "joint" | "constraint" | "transmission" | "ros2_control") => {}
             (true, _) if tag.namespace().is_some_and(|space| space.contains("xacro")) => {
-                let advice = Advice("expand the file first: xacro FILE > robot.urdf");
-                return Err(xml.unsupported(node, "a macro of xacro", advice));
+                return Err(xml.unsupported(node, "a macro of xacro", EXPAND_XACRO));
             }
             (true, "joint") => {
                 let advice = Advice("only joints of URDF itself are supported");
@@ -87,6 +89,13 @@ pub(super) fn read<'a>(
     for (node, element) in mimics {
         mimic(&mut draft, node, element)?;
     }
+    let mut constraints = elements(root, "constraint").peekable();
+    if constraints.peek().is_some() {
+        let base_from_links = poses_at_zero(&draft);
+        for node in constraints {
+            constraint(&mut draft, node, &base_from_links)?;
+        }
+    }
     for section in children(root) {
         let driven: Vec<Node> = match section.tag_name().name() {
             "transmission" => elements(section, "joint").collect(),
@@ -113,6 +122,25 @@ pub(super) fn read<'a>(
         elements(section, "joint").try_for_each(|node| initial_value(&mut draft, node))?;
     }
     draft.finish(name, Dialect::Urdf)
+}
+
+/// Poses of the links in the base, with all joints at zero (m).
+fn poses_at_zero(draft: &Draft) -> Vec<Pose> {
+    let mut carried: Vec<Vec<(usize, Pose)>> = vec![Vec::new(); draft.links()];
+    for joint in &draft.descriptions {
+        let [parent, child] = joint.links;
+        carried[parent].push((child, joint.frames[0] * joint.frames[1].inverse()));
+    }
+    let mut poses = vec![Pose::identity(); draft.links()];
+    // Each link is the child of one joint at most, so that no link is reached twice.
+    let mut open = vec![0];
+    while let Some(parent) = open.pop() {
+        for &(child, parent_from_child) in &carried[parent] {
+            poses[child] = poses[parent] * parent_from_child;
+            open.push(child);
+        }
+    }
+    poses
 }
 
 /// The initial position of a joint of `ros2_control` is where the search for a closed configuration starts.
@@ -201,8 +229,7 @@ fn joint<'a>(
         return Err(xml.unsupported(child.unwrap_or(node), what, advice));
     }
     let [origin, axis, limit] = parts;
-    let parent_from_child =
-        origin.map_or(Ok(Pose::identity()), |origin| place_of(draft, origin))?;
+    let parent_from_child = origin.map_or(Ok(Pose::identity()), |origin| pose_of(draft, origin))?;
     let has_axis = matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
     let xyz = axis.filter(|_| has_axis).and_then(|axis| attribute(axis, "xyz"));
     let z = match xyz {
@@ -253,31 +280,6 @@ fn mimic<'a>(draft: &mut Draft<'a>, joint: Node<'a, 'a>, mimic: Node<'a, 'a>) ->
     let terms = vec![(leader, ratio)];
     draft.add_coupling(Coupling { name, follower, terms, offset }, place(mimic));
     Ok(())
-}
-
-/// The link at an end of a joint.
-fn end<'a>(
-    draft: &Draft<'a>,
-    joint: Node<'a, 'a>,
-    end: Option<Node<'a, 'a>>,
-    name: &'static str,
-) -> Result<usize, Error> {
-    let xml = draft.xml;
-    let end = end.ok_or_else(|| xml.missing(joint, name))?;
-    let link = attribute(end, "link").ok_or_else(|| xml.missing(end, "link"))?;
-    draft.link(link.text).ok_or_else(|| xml.unknown("link", &link, draft.link_names()))
-}
-
-/// Pose of an `origin`.
-fn place_of<'a>(draft: &Draft<'a>, origin: Node<'a, 'a>) -> Result<Pose, Error> {
-    let xml = draft.xml;
-    let vector = |name| {
-        let value = attribute(origin, name);
-        value.map(|value| xml.vector(&value)).transpose().map(Option::unwrap_or_default)
-    };
-    let (xyz, rpy) = (vector("xyz")?, vector("rpy")?);
-    let rotation = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z);
-    Ok(Pose::from_parts(Translation3::from(xyz), rotation))
 }
 
 /// Elements of a joint that determine the mechanism.
@@ -579,7 +581,7 @@ mod tests {
             "<robot name=\"arm\">",
             "without a root link",
         );
-        let closure = "<constraint name=\"c\"/>";
+        let closure = "<loop_joint name=\"c\"/>";
         let closed = format!("{closure}<transmission");
         refuse("<transmission", &closed, closure, "second file of loops");
         let second = "<joint name=\"b\" type=\"fixed\"><parent link=\"base\"/><child link=\"hand\"/></joint><transmission";
@@ -587,6 +589,13 @@ mod tests {
         let space =
             "<robot name=\"arm\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:arm/>";
         refuse("<robot name=\"arm\">", space, "<xacro:arm/>", "xacro FILE > robot.urdf");
+        let formula = "<link name=\"base\"/><link name=\"tip\"/><joint name=\"x\" type=\"fixed\"><origin xyz=\"${l/2} 0 0\"/><parent link=\"base\"/><child link=\"tip\"/></joint>";
+        refuse(
+            "<link name=\"base\"/>",
+            formula,
+            "${l/2} 0 0",
+            "an expression of xacro in `xyz` cannot be imported: expand the file first",
+        );
         let space = "<robot name=\"arm\" xmlns:drake=\"d\"><drake:joint/>";
         refuse("<robot name=\"arm\">", space, "<drake:joint/>", "a joint of a dialect");
     }

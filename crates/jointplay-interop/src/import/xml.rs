@@ -18,6 +18,9 @@ pub(super) const LONGEST_NAME: usize = 1000;
 /// Limits of joints from here on mean no limit: mechanism files have none beyond (m, rad).
 pub(super) const ENDLESS: f64 = 1e6;
 
+/// Advice for files that xacro has not expanded.
+pub(super) const EXPAND_XACRO: Advice = Advice("expand the file first: xacro FILE > robot.urdf");
+
 /// Most elements, texts and comments, about 250 MB of memory; a document of FreeCAD has 20 for each kilobyte.
 const MOST_NODES: u32 = 3_000_000;
 
@@ -41,7 +44,14 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, Error> {
         // The message is shown with its place, which it must not repeat.
         let plain = message.rsplit_once(" at ").map_or(message.as_str(), |(plain, _)| plain);
         let place = before + within;
-        Error::at(text, place..place, Problem::Xml(format!("not well-formed XML: {plain}")))
+        let what = match error {
+            roxmltree::Error::DtdDetected => {
+                "a document type cannot be imported: remove `<!DOCTYPE …>`, and replace its entities"
+                    .to_owned()
+            }
+            _ => format!("not well-formed XML: {plain}"),
+        };
+        Error::at(text, place..place, Problem::Xml(what))
     })
 }
 
@@ -138,6 +148,11 @@ impl<'a> Xml<'a> {
 
     /// Error of an invalid value.
     pub(super) fn unusable(&self, value: &Value, expected: &'static str) -> Error {
+        if value.text.contains("${") || value.text.contains("$(") {
+            let what = format!("an expression of xacro in `{}`", value.what);
+            let advice = EXPAND_XACRO.0.to_owned();
+            return self.error(value.span.clone(), Problem::Unsupported { what, advice });
+        }
         let found = match value.text.char_indices().nth(MOST_QUOTED) {
             Some((end, _)) => format!("{}…", &value.text[..end]),
             None => value.text.to_owned(),

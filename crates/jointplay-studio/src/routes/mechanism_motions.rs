@@ -69,7 +69,7 @@ fn motions(request: &ConfigurationRequest) -> Result<MotionsDocument, Problem> {
 
 /// The assembly modes of a mechanism: closed configurations with the actuated joints at given values
 ///
-/// The search starts from the given configuration and from others; it may miss some.
+/// The search starts from the given configuration and from others, and ends when 16 are found; it may miss some.
 #[utoipa::path(
     post,
     path = "/api/v1/mechanism/branches",
@@ -100,7 +100,7 @@ fn modes(request: &ConfigurationRequest) -> Result<BranchesDocument, Problem> {
     start.rows_mut(joints, mechanism.virtual_joints().len()).fill(0.0);
     let held = mechanism.actuated_coordinates();
     let found = branches(mechanism, &start, &held, STARTS)?;
-    let branches = found.iter().map(|closed| read.configuration(closed, scale));
+    let branches = found.closures.iter().map(|closed| read.configuration(closed, scale));
     Ok(BranchesDocument {
         held: held.iter().map(|&k| read.coordinates.all()[k].name.clone()).collect(),
         branches: branches.collect::<Result<_, _>>()?,

@@ -48,7 +48,7 @@ Ctrl-C stops a study after the current chunk; the finished chunks stay in TABLE.
 Included examples: center-shift, play-over-the-workspace, slider-crank, station-positions, tolerances.
 With --parts, chunks of 65,536 samples (2048 of mechanisms, 64 of cells) become files of their own, on any number of machines; finished ones are not computed again.
 The gathered table has the bytes of a run on one machine.
-Exit codes: 0 done, 1 no sample could be solved or parts are missing, 2 bad input or usage, 130 interrupted.")]
+Exit codes: 0 done, also with unsolved samples, whose number is printed, 1 no sample could be solved or parts are missing, 2 bad input or usage, 130 interrupted.")]
 pub(crate) struct StudyCommand {
     /// Study file (TOML), or the name of an included example [default: the first example]
     #[arg(value_name = "FILE")]

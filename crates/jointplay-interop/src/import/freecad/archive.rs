@@ -25,9 +25,9 @@ const EXTENSION: &str = "FCStd";
 #[non_exhaustive]
 pub enum ArchiveError {
     /// A file that is no complete archive, or cannot be read.
-    #[error("the file is no archive of FreeCAD: {message}")]
+    #[error("the archive of FreeCAD cannot be read: {message}")]
     Damaged {
-        /// Message of the reader.
+        /// The reason.
         message: String,
     },
     /// A file with the name of a document that is no archive.
@@ -96,12 +96,27 @@ pub fn document_text(file: impl Read + Seek) -> std::result::Result<String, Arch
     if bytes.len() > MAX_DOCUMENT_BYTES {
         return Err(ArchiveError::TooLong);
     }
-    read.map_err(|error| ArchiveError::Damaged { message: error.to_string() })?;
+    read.map_err(|error| damaged(ZipError::Io(error)))?;
     String::from_utf8(bytes).map_err(|_| ArchiveError::NoText)
 }
 
 fn damaged(error: ZipError) -> ArchiveError {
-    ArchiveError::Damaged { message: error.to_string() }
+    use ZipError as E;
+    let message = match error {
+        E::Io(error) if is_of_storage(error.kind()) => error.to_string(),
+        E::UnsupportedArchive(_) | E::CompressionMethodNotSupported(_) | E::InvalidPassword => {
+            "it is packed in a manner that FreeCAD does not use".to_owned()
+        }
+        // Messages of the library name its own types and the parts of archives.
+        _ => "it is damaged or incomplete".to_owned(),
+    };
+    ArchiveError::Damaged { message }
+}
+
+/// Whether an error of reading has another cause than the bytes of the archive.
+fn is_of_storage(kind: ErrorKind) -> bool {
+    use ErrorKind as E;
+    !matches!(kind, E::InvalidData | E::InvalidInput | E::UnexpectedEof | E::Other)
 }
 
 /// A file of which a bounded number of bytes is read.
@@ -155,9 +170,9 @@ mod tests {
         let good = packed(&[("PartShape.brp", b"shape"), (DOCUMENT, b"<Document/>")]);
         assert!(is_archive(&good) && !is_archive(b"<Document/>"));
         assert_eq!(document_text(Cursor::new(&good)).unwrap(), "<Document/>");
-        refuse(&good[..good.len() / 2], "no archive of FreeCAD");
-        refuse(b"", "no archive of FreeCAD");
-        refuse(b"PK\x03\x04", "no archive of FreeCAD");
+        refuse(&good[..good.len() / 2], "it is damaged or incomplete");
+        refuse(b"", "it is damaged or incomplete");
+        refuse(b"PK\x03\x04", "it is damaged or incomplete");
         refuse(&packed(&[("word/document.xml", b"<w/>")]), "it has word/document.xml");
         refuse(
             &packed(&[("binaries/a.so", b""), (MODEL_DESCRIPTION, b"<fmi/>")]),

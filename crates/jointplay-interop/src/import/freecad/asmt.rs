@@ -311,7 +311,17 @@ pub(in crate::import) fn read(text: &str, unit: LengthUnit) -> Result<Imported, 
         about.map(|(_, block)| block).or(joint).unwrap_or(&assembly).error(error)
     })?;
     let ignored = ignored.into_iter().map(|(what, count)| format!("{count} × {what}")).collect();
-    Ok(Imported { mechanism, dialect: Dialect::Asmt, ignored })
+    let imported = Imported { mechanism, dialect: Dialect::Asmt, ignored };
+    imported.check_numbers().map_err(|problem| {
+        let about = match &problem {
+            Problem::TooLarge { whose, .. } => {
+                blocks.iter().find(|block| block.name().is_ok_and(|found| found == whose))
+            }
+            _ => None,
+        };
+        about.unwrap_or(&assembly).error(problem)
+    })?;
+    Ok(imported)
 }
 
 /// Joints by what motions and limits name: their paths, or their two markers.

@@ -1,10 +1,11 @@
 //! A joint between two frames of parts that are placed in an assembly.
 
 use jointplay_core::mechanism::{Joint, JointKind};
-use jointplay_core::spatial::{Pose, rotation_vector};
+use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Unit, Vector3};
 
 use crate::import::draft::bare;
+use crate::import::starts::coordinates_between;
 
 /// A frame of a part: its link, and its pose there and in the assembly as drawn (m).
 pub(super) struct PlacedFrame {
@@ -51,17 +52,7 @@ pub(super) fn placed_joint(
     let turn = Pose::from_parts(Translation3::identity(), turn);
     let (drawn, in_second) = (first_from_second * turn, second.in_link * turn);
     let mut joint = bare(name, kind, [first.link, second.link], [first.in_link, in_second]);
-    let (rotation, shift) = (drawn.rotation, drawn.translation.vector);
-    let angle = rotation[(1, 0)].atan2(rotation[(0, 0)]);
-    joint.guess = match kind {
-        JointKind::Revolute => vec![angle],
-        JointKind::Prismatic => vec![shift.z],
-        JointKind::Cylindrical => vec![shift.z, angle],
-        JointKind::Spherical => rotation_vector(&rotation).iter().copied().collect(),
-        JointKind::Planar => vec![shift.x, shift.y, angle],
-        JointKind::Universal => vec![angle, rotation[(2, 1)].atan2(rotation[(2, 2)])],
-        _ => Vec::new(),
-    };
+    joint.guess = coordinates_between(kind, &drawn);
     joint
 }
 

@@ -294,7 +294,7 @@ impl<'a> Reader<'a> {
             }
         }
         let mut passed_over = None;
-        if let Some(range) = value("range").filter(|_| !is_free) {
+        if let Some(range) = value("range").filter(|_| kind != JointKind::Floating) {
             let [least, most] = xml.numbers(&range, "2 numbers")?;
             let limited = match value("limited") {
                 Some(limited) if limited.text != "auto" => xml.truth(&limited)?,
@@ -467,6 +467,13 @@ mod tests {
         assert_eq!(limits("range=\"-1e10 2\""), [[f64::NEG_INFINITY, 2.0]]);
         assert_eq!(limits("range=\"1 1e12\""), [[1.0, f64::INFINITY]]);
         assert!(limits("range=\"-1e10 1e10\"").is_empty());
+        // A free joint has no limits, and needs no `limited` where a class has a range.
+        let free =
+            "<mujoco><compiler autolimits=\"false\"/><default><joint range=\"-1 1\"/></default>
+            <worldbody><body><joint type=\"free\"/></body></worldbody></mujoco>";
+        let free = testing::read(free);
+        assert_eq!(free.mechanism.joints()[0].kind, JointKind::Floating);
+        assert!(free.mechanism.joints()[0].limits.is_empty());
         // A joint whose reference is not zero keeps its own coordinates.
         let joint = joint("<joint type=\"slide\" ref=\"0.5\" range=\"0 1\"/>");
         assert_eq!((joint.limits, joint.guess), (vec![[0.0, 1.0]], vec![0.5]));
