@@ -269,3 +269,29 @@ test('a loading note is visible before the scripts have loaded', async () => {
   expect(await (await fetch(server.address)).text()).toContain('Loading the studio');
   await at(1280, 720, 'robot', async (page) => expect(await page.getByText('Loading the studio').count()).toBe(0));
 });
+
+test('on a phone, a chosen violation is in the picture, which stays in view', async () => {
+  const text = readFileSync(join(folder, 'mine.toml'), 'utf8');
+  const file = join(folder, 'blocked.toml');
+  writeFileSync(file, text.replace('position_mm = [100.0, -600.0, 500.0]', 'position_mm = [-330.0, 330.0, 500.0]'));
+  writeFileSync(join(folder, 'blocked.program'), `${'# a comment\n'.repeat(30)}HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n`);
+  const blocked = await serve(0, ['--cell', file]);
+  const page = await visit(browser, { viewport: { width: 390, height: 844 } });
+  try {
+    await page.addInitScript(() => sessionStorage.setItem('jointplay.studio.part', 'cell'));
+    await load(page, blocked.address);
+    const violation = page.getByTestId('violations').getByRole('button').first();
+    await violation.scrollIntoViewIfNeeded();
+    await violation.click();
+    const inView = async () => {
+      const { y, height } = (await page.locator('.scene').boundingBox())!;
+      return y >= -1 && y + height <= 845;
+    };
+    await until('the picture is in view', inView);
+    await frames(page);
+    expect(await inView()).toBe(true);
+  } finally {
+    await page.context().close();
+    await blocked.stop();
+  }
+});

@@ -361,3 +361,53 @@ for (const [width, height] of [[390, 844], [720, 450], [1024, 700], [1440, 900],
       expect(one.x + one.width, name).toBeLessThanOrEqual(editor.x + editor.width);
     }
   });
+
+test('an unsaved text survives a reload, and is restored or discarded', async () => {
+  page.on('dialog', (dialog) => void dialog.accept());
+  const draft = page.getByTestId('robot-draft');
+  expect(await draft.count()).toBe(0);
+  await edit();
+  await type('field-socket-radius', '101.5');
+  await holds('socket_radius_mm = 101.5');
+  await reload(page);
+  await draft.filter({ hasText: 'unsaved changes to mine.toml' }).waitFor();
+  expect(readFileSync(file, 'utf8')).toBe(PAPER);
+  // New edits do not replace it.
+  await edit();
+  await type('field-socket-radius', '102.5');
+  await holds('socket_radius_mm = 102.5');
+  await draft.getByRole('button', { name: 'Restore' }).click();
+  await holds('socket_radius_mm = 101.5');
+  expect(await draft.count()).toBe(0);
+  await page.keyboard.press('Escape');
+  await page.getByTestId('robot-save').click();
+  await saved();
+  expect(readFileSync(file, 'utf8')).toContain('socket_radius_mm = 101.5');
+  await reload(page);
+  await drawn(page);
+  expect(await draft.count(), 'a saved text is no draft').toBe(0);
+  await edit();
+  await type('field-socket-radius', '103.5');
+  await holds('socket_radius_mm = 103.5');
+  await reload(page);
+  await draft.getByRole('button', { name: 'Discard' }).click();
+  await reload(page);
+  await drawn(page);
+  expect(await draft.count()).toBe(0);
+});
+
+for (const [size, times] of [['1 mm', 0.005], ['10 m', 45]] as const)
+  test(`a robot of ${size} fills the view as the paper’s does`, async () => {
+    const scaled = PAPER.replace(/(socket_radius_mm|height_mm|clearance_radius_um) = ([\d.]+)/g, (_, key, value) => `${key} = ${Number(value) * times}`).replace(/rod_mm = \[([^\]]*)\]/, (_, limits) => `rod_mm = [${(limits as string).split(',').map((limit) => Number(limit) * times).join(', ')}]`);
+    const width = async () => {
+      const x = (await page.evaluate(() => window.jointplay.probe.platform!())).map((point) => point.x);
+      return Math.max(...x) - Math.min(...x);
+    };
+    const before = await width();
+    writeFileSync(file, scaled);
+    await server.stop();
+    server = await serve(0, ['--robot', file]);
+    await load(page, server.address);
+    await drawn(page);
+    expect(Math.abs((await width()) / before - 1)).toBeLessThan(0.5);
+  });

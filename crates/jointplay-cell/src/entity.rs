@@ -36,6 +36,19 @@ impl EntityId {
     pub fn is_wafer(self) -> bool {
         matches!(self, Self::Wafer(_) | Self::HeldWafer(_))
     }
+
+    /// The word for the kind of this entity.
+    fn kind(self) -> &'static str {
+        match self {
+            Self::Axis(_) => "axis",
+            Self::Effector(_) => "effector",
+            Self::Link { .. } => "link",
+            Self::Body(_) => "body",
+            Self::Wafer(_) | Self::HeldWafer(_) => "wafer",
+            Self::Zone(_) => "zone",
+            Self::Station(_) => "station",
+        }
+    }
 }
 
 impl Cell {
@@ -59,6 +72,25 @@ impl Cell {
             EntityId::Zone(zone) => self.zones[zone].name.clone(),
             EntityId::Station(station) => self.stations[station].name.clone(),
         }
+    }
+
+    /// Name of an entity, preceded by its kind if an axis, effector, body, zone or station of another kind has the same name.
+    ///
+    /// # Panics
+    /// If the cell has no such entity.
+    #[must_use]
+    pub fn entity_label(&self, entity: EntityId) -> String {
+        let name = self.entity_name(entity);
+        let kind = entity.kind();
+        let kinds_with_name = [
+            ("axis", self.robot.axes.iter().any(|axis| axis.name == name)),
+            ("effector", self.robot.effectors().any(|id| self.effector_name(id) == name)),
+            ("body", self.bodies.iter().any(|body| body.name == name)),
+            ("zone", self.zones.iter().any(|zone| zone.name == name)),
+            ("station", self.stations.iter().any(|station| station.name == name)),
+        ];
+        let is_shared = kinds_with_name.iter().any(|&(other, has)| has && other != kind);
+        if is_shared { format!("{kind} {name}") } else { name }
     }
 
     /// Name of an effector.

@@ -22,7 +22,7 @@ pub struct DistanceReport {
 /// The minimum distance of a pair in mm.
 pub(crate) fn distance(cell: &Cell, pair: &MinimumDistance) -> DistanceReport {
     DistanceReport {
-        bodies: pair.entities.map(|one| cell.entity_name(one)),
+        bodies: pair.entities.map(|one| cell.entity_label(one)),
         distance_mm: mm(pair.distance),
         within_mm: mm(pair.tolerance),
         time_s: pair.time,

@@ -25,7 +25,7 @@ pub struct NearestReport {
 /// The pairs of least distance, from a list sorted by distance; pairs that differ only by their wafers are listed once.
 pub(crate) fn nearest(cell: &Cell, distances: &[MinimumDistance]) -> Vec<NearestReport> {
     let report = |(pair, others): (&MinimumDistance, usize)| NearestReport {
-        bodies: pair.entities.map(|one| cell.entity_name(one)),
+        bodies: pair.entities.map(|one| cell.entity_label(one)),
         distance_mm: mm(pair.distance),
         time_s: pair.time,
         others,

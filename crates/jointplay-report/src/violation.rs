@@ -28,6 +28,8 @@ pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64
 pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
     let name =
         |k: usize| one.entities.get(k).map_or_else(String::new, |&one| cell.entity_name(one));
+    let label =
+        |k: usize| one.entities.get(k).map_or_else(String::new, |&one| cell.entity_label(one));
     let number = |value: f64| quantity(one, value, DECIMALS);
     let (worst, limit) = distinct(one);
     match one.kind {
@@ -57,17 +59,17 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
         ViolationKind::Collision if one.worst < 0.0 => {
             format!(
                 "{} and {} collide with a penetration depth of {}",
-                name(0),
-                name(1),
+                label(0),
+                label(1),
                 number(-one.worst)
             )
         }
-        ViolationKind::Collision => format!("{} and {} touch", name(0), name(1)),
+        ViolationKind::Collision => format!("{} and {} touch", label(0), label(1)),
         ViolationKind::Clearance => {
             format!(
                 "{} comes within {worst} of {}; the required clearance is {limit}",
-                name(0),
-                name(1)
+                label(0),
+                label(1)
             )
         }
         ViolationKind::SlotClearance => {
@@ -83,8 +85,8 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
             };
             format!(
                 "{} comes within {worst} of {}; the required slot clearance is {limit}{of_it}",
-                name(0),
-                name(1)
+                label(0),
+                label(1)
             )
         }
         ViolationKind::PlaneBudget => format!(
@@ -98,28 +100,28 @@ pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
         ViolationKind::KeepOut if one.worst < 0.0 => {
             format!(
                 "{} is in keep-out zone {} with a penetration depth of {}",
-                name(0),
+                label(0),
                 name(1),
                 number(-one.worst)
             )
         }
-        ViolationKind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
+        ViolationKind::KeepOut => format!("{} touches keep-out zone {}", label(0), name(1)),
         ViolationKind::LongDwell => format!(
             "{} dwells in {} for {worst}, allowed are {limit}: pick it {} earlier",
-            name(0),
-            name(1),
+            label(0),
+            label(1),
             number(one.excess())
         ),
         ViolationKind::ShortDwell => format!(
             "{} leaves {} after {worst}, required are {limit}: wait {} longer before this instruction",
-            name(0),
-            name(1),
+            label(0),
+            label(1),
             number(one.excess())
         ),
         ViolationKind::LeftInStation => format!(
             "{} is left in {} at the end of the program, where a wafer may dwell for {limit}: pick it before the program ends",
-            name(0),
-            name(1)
+            label(0),
+            label(1)
         ),
         ViolationKind::SafeZone => format!(
             "the wafer centre of {} is {worst} outside safe zone {} while the robot rotates",

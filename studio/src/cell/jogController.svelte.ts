@@ -10,8 +10,7 @@ export interface JogContext {
   readonly planned: { texts: CellTexts; key: string } | null;
   /** Whether the cell is valid. */
   readonly jogAvailable: boolean;
-  readonly time: number;
-  readonly playing: boolean;
+  readonly playback: { readonly time: number; readonly playing: boolean };
   /** Whether the displayed plan may differ from that of the current inputs. */
   readonly outdated: boolean;
   failed(error: unknown): void;
@@ -58,18 +57,18 @@ export class JogController {
 
   /** Whether the check of the pose may differ from that of the current inputs. */
   get outdated(): boolean {
-    return !this.#current || this.#context.outdated || this.#context.playing;
+    return !this.#current || this.#context.outdated || this.#context.playback.playing;
   }
 
   /** The current pose as a pose for teaching. */
   taughtBy({ axes }: JogDocument, slot: number): api.TaughtBy {
     const effector = this.effector ? { effector: this.effector } : {};
-    return { positions: axes.map(({ position }) => position), time_s: this.active ? this.#departureTime : this.#context.time, slot, ...effector };
+    return { positions: axes.map(({ position }) => position), time_s: this.active ? this.#departureTime : this.#context.playback.time, slot, ...effector };
   }
 
   /** Jogs toward a target. */
   moveTo(to: Jog): void {
-    if (!this.active) this.#departureTime = this.#context.time;
+    if (!this.active) this.#departureTime = this.#context.playback.time;
     this.active = true;
     this.target = to;
     this.#enqueue({ to, fromProgram: false });
@@ -105,7 +104,7 @@ export class JogController {
   #startState(fromProgram: boolean): api.JogParameters {
     const effector = this.effector ? { effector: this.effector } : {};
     const from = this.positions;
-    if (fromProgram || !from) return { time_s: this.#context.time, ...effector };
+    if (fromProgram || !from) return { time_s: this.#context.playback.time, ...effector };
     return { time_s: this.#departureTime, from, ...effector };
   }
 

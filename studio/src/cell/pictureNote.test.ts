@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { pictureNote, type NotedState } from './pictureNote';
 
-const state: NotedState = { time: 83.4, loading: false, outdated: false, plan: { violations: 0 }, jog: { active: false, outdated: false, document: null }, tools: { playScale: 1, section: null, hidden: new Set() } };
+const state: NotedState = { playback: { time: 83.4 }, loading: false, outdated: false, plan: { violations: 0 }, jog: { active: false, outdated: false, document: null }, tools: { playScale: 1, section: null, hidden: new Set() } };
 const jogged = (violations: number, outdated = false) => ({ active: true, outdated, document: { check: { violations: Array(violations).fill({}) } } });
 
 test('a note has the time of the program only while the view shows it', () => {

@@ -6,7 +6,7 @@ import type { Section } from './viewTools.svelte';
 
 /** The state of the cell view that a note describes. */
 export interface NotedState {
-  readonly time: number;
+  readonly playback: { readonly time: number };
   readonly loading: boolean;
   readonly outdated: boolean;
   readonly plan: { violations: number } | null;
@@ -16,7 +16,7 @@ export interface NotedState {
 
 const counted = (count: number, one: string): string => `${count} ${one}${count === 1 ? '' : 's'}`;
 
-export function pictureNote({ time, loading, outdated, plan, jog, tools }: NotedState, name: string, unit: LengthUnit): string {
+export function pictureNote({ playback: { time }, loading, outdated, plan, jog, tools }: NotedState, name: string, unit: LengthUnit): string {
   const { playScale, section, hidden } = tools;
   const when = jog.active ? 'jogged' : loading ? `${clock(time)}, motion not loaded` : clock(time);
   const violations = jog.active ? (jog.document?.check.violations.length ?? 0) : (plan?.violations ?? 0);

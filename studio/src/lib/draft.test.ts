@@ -1,5 +1,5 @@
 import { beforeEach, expect, test } from 'vitest';
-import { readDrafts, removeDraft, removeOlderDraft, storeDraft, type Draft } from './draft';
+import { DraftStore, type CellDraft, type TextDraft } from './draft';
 
 const stored = new Map<string, string>();
 beforeEach(() => {
@@ -11,28 +11,50 @@ beforeEach(() => {
   } as unknown as Storage;
 });
 
-const draft = (version: string, program = 'HOME\n'): Draft => ({ cell: 'cell', program, points: { LP1: [[0, 0, 1]] }, version, stored_ms: 1 });
+const cell = (program = 'HOME\n'): CellDraft => ({ cell: 'cell', program, points: { LP1: [[0, 0, 1]] }, version: 'v1', stored_ms: 1 });
+const text = (name: string, length = 4): TextDraft => ({ name, text: 'x'.repeat(length), saved: '', ofServer: true, stored_ms: 1 });
 
-test('a draft belongs to one version of one file', () => {
-  storeDraft('a', draft('v1'));
-  expect(readDrafts('a', 'v1')).toEqual({ current: draft('v1'), older: null });
-  expect(readDrafts('b', 'v1')).toEqual({ current: null, older: null });
-  removeDraft('a');
-  expect(readDrafts('a', 'v1')).toEqual({ current: null, older: null });
+test('a draft belongs to one cell file, or to one kind of files', () => {
+  const store = DraftStore.ofCell('a');
+  store.store(cell());
+  expect(store.current).toEqual(cell());
+  expect(DraftStore.ofCell('b').current).toBeNull();
+  const robots = DraftStore.ofText('robot');
+  robots.store(text('bench.toml'));
+  expect(robots.current).toEqual(text('bench.toml'));
+  expect(DraftStore.ofText('mechanism').current).toBeNull();
+  store.remove();
+  expect(store.current).toBeNull();
+  expect(robots.current).toEqual(text('bench.toml'));
 });
 
-test('a draft of another version is not overwritten by new edits', () => {
-  storeDraft('a', draft('v1', 'old'));
-  expect(readDrafts('a', 'v2')).toEqual({ current: null, older: draft('v1', 'old') });
-  storeDraft('a', draft('v2', 'new'));
-  expect(readDrafts('a', 'v2')).toEqual({ current: draft('v2', 'new'), older: draft('v1', 'old') });
-  removeOlderDraft('a');
-  expect(readDrafts('a', 'v2')).toEqual({ current: draft('v2', 'new'), older: null });
+test('a draft of an earlier visit is not overwritten by new edits', () => {
+  for (const store of [DraftStore.ofText('robot'), DraftStore.ofText('mechanism')]) {
+    store.store(text('first'));
+    store.postpone();
+    expect([store.current, store.earlier]).toEqual([null, text('first')]);
+    // Without a new draft, the earlier one remains.
+    store.postpone();
+    store.store(text('second'));
+    expect([store.current, store.earlier]).toEqual([text('second'), text('first')]);
+    store.removeEarlier();
+    expect([store.current, store.earlier]).toEqual([text('second'), null]);
+  }
+});
+
+test('texts that would fill the storage of the browser are not stored', () => {
+  const store = DraftStore.ofText('mechanism');
+  store.store(text('long', 1_400_000));
+  expect(store.current?.name).toBe('long');
+  store.store(text('longer', 2_000_000));
+  expect(store.current?.name).toBe('long');
 });
 
 test('invalid drafts are ignored', () => {
-  for (const text of ['', 'null', '{}', '{"cell": 1}', '{"cell":"","program":"","version":"v1","points":null,"stored_ms":1}']) {
-    stored.set('jointplay.studio.draft.a', text);
-    expect(readDrafts('a', 'v1'), text).toEqual({ current: null, older: null });
+  for (const value of ['', 'null', '{}', '[]', '1', '{"cell": 1}', '{"cell":"","program":"","version":"v1","points":null,"stored_ms":1}', '{"name":"a","text":"","saved":"","ofServer":1,"stored_ms":1}']) {
+    stored.set('jointplay.studio.draft.a', value);
+    stored.set('jointplay.studio.draft.robot', value);
+    expect(DraftStore.ofCell('a').current, value).toBeNull();
+    expect(DraftStore.ofText('robot').current, value).toBeNull();
   }
 });

@@ -1,49 +1,94 @@
-// Unsaved texts of a cell, stored in the browser until they are saved or discarded.
+// Unsaved texts, stored in the browser until they are saved or discarded.
 
 import { load, remove, save } from './settings';
 
-export interface Draft {
+/** Largest draft that is stored [characters]: browsers store about five million for all drafts and files. */
+const LONGEST = 1_500_000;
+
+interface Stored {
+  /** Time of storage [ms since 1970]. */
+  stored_ms: number;
+}
+
+/** The unsaved text of one file. */
+export interface TextDraft extends Stored {
+  name: string;
+  text: string;
+  /** The text as it was opened or saved. */
+  saved: string;
+  /** Whether it is that of the file of the server. */
+  ofServer: boolean;
+}
+
+/** The unsaved texts of a cell. */
+export interface CellDraft extends Stored {
   cell: string;
   program: string;
   /** Taught points of planes with too few points [m], by station. */
   points: Record<string, number[][]>;
   /** Version of the files that the draft is based on. */
   version: string;
-  /** Time of storage [ms since 1970]. */
-  stored_ms: number;
 }
 
-const key = (identity: string) => `draft.${identity}`;
-/** Key of a draft of another version of the files, which waits for a decision. */
-const olderKey = (identity: string) => `draft.${identity}.older`;
+/** The draft under one key, and that of an earlier visit, which waits for a decision. */
+export class DraftStore<T extends Stored> {
+  readonly #key: string;
+  readonly #isDraft: (value: Partial<T>) => boolean;
 
-function valid(value: unknown): boolean {
-  const draft = value as Partial<Draft> | null;
-  const texts = [draft?.cell, draft?.program, draft?.version];
-  return texts.every((text) => typeof text === 'string') && typeof draft!.points === 'object' && draft!.points !== null && Number.isFinite(draft!.stored_ms);
-}
-
-/** The drafts of a file: that of its current version, and that of another version. */
-export function readDrafts(identity: string, version: string): { current: Draft | null; older: Draft | null } {
-  const found = load<Draft | null>(key(identity), null, valid);
-  if (found !== null && found.version !== version) {
-    save(olderKey(identity), found);
-    remove(key(identity));
+  private constructor(key: string, isDraft: (value: Partial<T>) => boolean) {
+    this.#key = `draft.${key}`;
+    this.#isDraft = isDraft;
   }
-  return {
-    current: found?.version === version ? found : null,
-    older: load<Draft | null>(olderKey(identity), null, valid),
-  };
+
+  /** The draft of a robot or a mechanism: one for all files of a kind. */
+  static ofText(kind: 'robot' | 'mechanism'): DraftStore<TextDraft> {
+    return new DraftStore<TextDraft>(kind, ({ name, text, saved, ofServer }) => [name, text, saved].every(isText) && typeof ofServer === 'boolean');
+  }
+
+  /** The draft of a cell: one for each cell file of the server. */
+  static ofCell(identity: string): DraftStore<CellDraft> {
+    return new DraftStore<CellDraft>(identity, ({ cell, program, version, points }) => [cell, program, version].every(isText) && typeof points === 'object' && points !== null);
+  }
+
+  get #earlierKey(): string {
+    return `${this.#key}.older`;
+  }
+
+  #load(key: string): T | null {
+    return load<T | null>(key, null, (value) => {
+      const draft = value as Partial<T> | null;
+      return typeof draft === 'object' && draft !== null && Number.isFinite(draft.stored_ms) && this.#isDraft(draft);
+    });
+  }
+
+  get current(): T | null {
+    return this.#load(this.#key);
+  }
+
+  /** The draft of an earlier visit. */
+  get earlier(): T | null {
+    return this.#load(this.#earlierKey);
+  }
+
+  store(draft: T): void {
+    if (JSON.stringify(draft).length <= LONGEST) save(this.#key, draft);
+  }
+
+  remove(): void {
+    remove(this.#key);
+  }
+
+  removeEarlier(): void {
+    remove(this.#earlierKey);
+  }
+
+  /** The current draft is from now on that of an earlier visit: new edits do not replace it. */
+  postpone(): void {
+    const { current } = this;
+    if (current === null) return;
+    save(this.#earlierKey, current);
+    this.remove();
+  }
 }
 
-export function storeDraft(identity: string, draft: Draft): void {
-  save(key(identity), draft);
-}
-
-export function removeDraft(identity: string): void {
-  remove(key(identity));
-}
-
-export function removeOlderDraft(identity: string): void {
-  remove(olderKey(identity));
-}
+const isText = (value: unknown) => typeof value === 'string';

@@ -103,3 +103,12 @@ test('a label that stays is next to its point, also in an avoided area', () => {
   expect(moves!.leader).toBe(true);
   expect(moves!.box.right < 300 || moves!.box.left > 500 || moves!.box.bottom < 200 || moves!.box.top > 400).toBe(true);
 });
+
+test('labels cover none of many bars while there is room', () => {
+  // A row of 300 bars of a mechanism, each at the preferred place of a label.
+  const bars = Array.from({ length: 300 }, (_, k) => [[20 + 2.5 * k, 280], [20 + 2.5 * k, 310]] as const);
+  const requests: LabelRequest[] = [60, 250, 440, 630].map((x) => ({ x, y: 300, width: 60, height: 16, offset: [42, -10] }));
+  const placed = placeLabels(requests, VIEW, [], bars);
+  expect(placed).toHaveLength(4);
+  for (const { box } of placed) for (const bar of bars) expect(intersect(bar, [[box.left, box.top], [box.right, box.top], [box.right, box.bottom], [box.left, box.bottom]])).toBe(false);
+});

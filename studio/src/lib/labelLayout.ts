@@ -39,6 +39,12 @@ const DIRECTIONS = 12;
 const LEADER = 26;
 const GAP = 2;
 
+/** The box around a polygon. */
+function around(polygon: Polygon): Box {
+  const [x, y] = [polygon.map(([x]) => x), polygon.map(([, y]) => y)];
+  return { left: Math.min(...x), top: Math.min(...y), right: Math.max(...x), bottom: Math.max(...y) };
+}
+
 const overlap = (a: Box, b: Box) => a.left < b.right + GAP && b.left < a.right + GAP && a.top < b.bottom + GAP && b.top < a.bottom + GAP;
 
 /** Distance of a point from a box. */
@@ -83,9 +89,9 @@ export function placeLabels(requests: readonly LabelRequest[], view: Box, occupi
   const texts: Polygon[] = [];
   const leaders: Polygon[] = [];
   const placed: PlacedLabel[] = [];
+  const areas = avoided.map((area) => ({ area, bounds: around(area) }));
   requests.forEach(({ x, y, width, height, offset: [right, down], stays = false }, index) => {
-    const around = stays ? [] : avoided;
-    const distances = around.some((area) => area.length > 2) ? [...DISTANCES, ...FURTHER_DISTANCES] : DISTANCES;
+    const distances = !stays && avoided.some((area) => area.length > 2) ? [...DISTANCES, ...FURTHER_DISTANCES] : DISTANCES;
     const at = (dx: number, dy: number): Box => {
       const left = Math.min(Math.max(x + dx - width / 2, view.left), view.right - width);
       const top = Math.min(Math.max(y + dy - height / 2, view.top), view.bottom - height);
@@ -105,8 +111,11 @@ export function placeLabels(requests: readonly LabelRequest[], view: Box, occupi
     const isFar = (box: Box) => distanceTo(box, x, y) > LEADER;
     /** Neither its leader line crosses other labels and their points, nor others cross this label. */
     const isClear = (box: Box) => !leaders.some((line) => intersect(line, corners(box))) && !(isFar(box) && [...texts, ...leaders, ...otherPoints].some((other) => intersect(leaderOf(box), other)));
-    const avoids = (areas: readonly Polygon[]) => (box: Box) => !areas.some((area) => intersect(area, corners(box)));
-    const [all, first] = [avoids(around), avoids(around.slice(0, 1))];
+    // Only areas that are near enough to be covered by one of the places.
+    const reach = around(free.flatMap(corners));
+    const near = stays ? [] : areas.filter(({ bounds }) => overlap(bounds, reach));
+    const avoids = (some: typeof areas) => (box: Box) => !some.some(({ area, bounds }) => overlap(bounds, box) && intersect(area, corners(box)));
+    const [all, first] = [avoids(near), avoids(stays ? [] : areas.slice(0, 1))];
     const box = free.find((one) => all(one) && isClear(one)) ?? free.find((one) => first(one) && isClear(one)) ?? free.find(first) ?? free.find(isClear) ?? free[0];
     if (!box) return;
     taken.push(box);

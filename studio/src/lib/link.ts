@@ -183,7 +183,10 @@ function parseMotion(text: string | undefined): Motion | null {
 }
 
 function viewText(view: View): string {
-  const round = (value: number) => Math.round(value * 10) / 10;
+  const [eye, target] = [view.eye_mm, view.target_mm];
+  // A thousandth of the distance, and at most 0.1 mm.
+  const decimals = Math.max(1, 3 - Math.floor(Math.log10(Math.max(Math.hypot(...eye.map((value, i) => value - target[i]!)), 1e-6))));
+  const round = (value: number) => Number(value.toFixed(decimals));
   const letter = view.projection === 'orthographic' ? 'o' : 'p';
   const zoom = Math.round(view.zoom * 1000) / 1000;
   return [letter, ...view.eye_mm.map(round), ...view.target_mm.map(round), zoom].join(',');

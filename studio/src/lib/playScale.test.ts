@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import { EXAGGERATION } from './document';
-import { LARGEST_GAP_MM, SLIDER, fromSlider, initialScale, scaleText, toSlider } from './playScale';
+import { LARGEST_GAP, SLIDER, fromSlider, initialScale, scaleText, toSlider } from './playScale';
 
 test('the slider covers all play scales, and every rounded scale has its position', () => {
   expect([fromSlider(0), fromSlider(SLIDER)]).toEqual([EXAGGERATION.min, EXAGGERATION.max]);
@@ -10,7 +10,7 @@ test('the slider covers all play scales, and every rounded scale has its positio
 
 test('the initial play scale is the largest one at which balls stay in their bearings', () => {
   // The robot of the paper, a robot with 25 times its play, and one without any.
-  expect([initialScale(14.2e-6), initialScale(0.35e-3), initialScale(0)]).toEqual([500, 50, 500]);
-  for (const displacement_m of [1e-6, 4e-5, 1e-4, 7e-4, 5e-3]) expect(initialScale(displacement_m) * 1000 * displacement_m).toBeLessThanOrEqual(LARGEST_GAP_MM);
-  expect(initialScale(1)).toBe(1);
+  expect([initialScale(0.0142), initialScale(0.35), initialScale(0)]).toEqual([500, 50, 500]);
+  for (const displacement of [0.001, 0.04, 0.1, 0.7, 5]) expect(initialScale(displacement) * displacement).toBeLessThanOrEqual(LARGEST_GAP);
+  expect(initialScale(1000)).toBe(1);
 });

@@ -10,13 +10,13 @@ const PER_E = SLIDER / Math.log(EXAGGERATION.max / EXAGGERATION.min);
 /** A play scale within its limits. */
 export const clampedScale = (value: number): number => Math.min(Math.max(value, EXAGGERATION.min), EXAGGERATION.max);
 
-/** Largest gap around a ball that its bearing is drawn with [mm]: it leaves a rim of the platform. */
-export const LARGEST_GAP_MM = 18.5;
+/** Largest gap around a ball that its bearing is drawn with [units of the scene]: it leaves a rim of the platform. */
+export const LARGEST_GAP = 18.5;
 /** Play scales of a robot that is opened, the largest first. */
 const INITIAL_SCALES = [500, 200, 100, 50, 20, 10, 5, 2, 1];
 
-/** The initial play scale of a robot: balls that are displaced that far [m] stay in their bearings. */
-export const initialScale = (displacement_m: number): number => INITIAL_SCALES.find((scale) => scale * 1000 * displacement_m <= LARGEST_GAP_MM) ?? 1;
+/** The initial play scale of a robot: balls that are displaced that far [units of the scene] stay in their bearings. */
+export const initialScale = (displacement: number): number => INITIAL_SCALES.find((scale) => scale * displacement <= LARGEST_GAP) ?? 1;
 
 /** Position of a play scale on the slider. */
 export const toSlider = (scale: number): number => PER_E * Math.log(scale / EXAGGERATION.min);

@@ -46,9 +46,10 @@ class Comparison {
 
   /** Takes the shown state as reference. */
   take(): void {
-    const { document, configuration, poses, outdated, moving } = session;
+    const { document, outdated } = session;
+    const { configuration, poses, moving } = session.controller;
     if (!document || !configuration || outdated || moving) return;
-    const of = session.mobility?.of === configuration ? session.mobility : null;
+    const of = session.analyses.mobility?.of === configuration ? session.analyses.mobility : null;
     const reference: Reference = { document, configuration, poses: poses ?? configuration.poses, mobility: of?.result ?? null, problem: of?.problem ?? null };
     this.reference = reference;
     if (!of) void this.#analyse(reference);

@@ -6,7 +6,8 @@ import { mechanismSession as session } from './session.svelte';
 
 /** Fragment of a URL that opens the view as it is; the text is part of it, unless it is that of an entry of the catalogue. */
 export async function mechanismHash(): Promise<string> {
-  const { work, configuration, playScale, tab, selected, entries, view, camera } = session;
+  const { work, tab, selected, entries, view, camera } = session;
+  const { configuration, playScale } = session.controller;
   const isEntry = entries.some(({ name, text }) => name === work.name && text === work.text);
   return toMechanismHash({
     name: work.name,

@@ -44,7 +44,7 @@ const DESCRIPTIONS = {
 /** Length of a joint and its surroundings among many joints [sizes]: joints have no labels in views from far away. */
 const LABELLED = 0.18;
 /** Labels of mechanisms with more bars may cover them. */
-const MOST_AVOIDED = 40;
+const MOST_AVOIDED = 500;
 /** The view is larger than the mechanism by this factor, for labels and buttons. */
 const MARGIN = 1.22;
 /** Largest share of the height of a pane that buttons and legend keep free of the mechanism, at the top and at the bottom. */

@@ -13,10 +13,10 @@ export const camera: { showView: ((view: SceneView) => void) | null } = { showVi
 
 const SHORTCUTS: Shortcut[] = [
   { group: 'Mechanism', keys: ['h'], description: 'home: closed from the guess of the file', run: () => mechanismSession.home() },
-  { group: 'Mechanism', keys: ['w'], description: 'animate instantaneous motions, or stop', run: () => (mechanismSession.animated === null ? void mechanismSession.computeMotions() : (mechanismSession.animated = null)) },
+  { group: 'Mechanism', keys: ['w'], description: 'animate instantaneous motions, or stop', run: () => (mechanismSession.controller.animated === null ? void mechanismSession.analyses.computeMotions() : (mechanismSession.controller.animated = null)) },
   { group: 'Mechanism', keys: ['c'], description: 'reference: compare with the shown state', run: () => comparison.take() },
   { group: 'Mechanism', keys: ['b'], description: 'reference overlaid, side by side or not drawn', run: () => comparison.setDisplay(nextDisplay(comparison.display)) },
-  { group: 'Mechanism', keys: ['Escape'], description: 'end the selection and the animation', run: () => { mechanismSession.selected = null; mechanismSession.redundant = null; mechanismSession.animated = null; } },
+  { group: 'Mechanism', keys: ['Escape'], description: 'end the selection and the animation', run: () => { mechanismSession.selected = null; mechanismSession.redundant = null; mechanismSession.controller.animated = null; } },
   ...SCENE_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => camera.showView?.(view) })),
   { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
   { group: 'Page', keys: ['t'], description: 'light or dark theme', run: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },

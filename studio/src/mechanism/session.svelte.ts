@@ -1,20 +1,20 @@
 // State of the view of mechanisms: the text, its mechanism, the configuration, and the analyses of that configuration.
 
 import * as api from '../api/client';
-import { ConnectionError, type ConfigurationDocument, type MechanismDocument, type MechanismSource, type OpenedDocument } from '../api/client';
+import { ConnectionError, type MechanismDocument, type MechanismSource, type OpenedDocument } from '../api/client';
 import { connection } from '../api/connection.svelte';
 import { otherFile } from '../api/otherFile';
 import { History } from '../lib/history';
 import type { CameraPose } from '../lib/hashParts';
-import type { MechanismLink, MechanismTab } from '../lib/mechanismLink';
+import type { MechanismTab } from '../lib/mechanismLink';
 import { KINDS, rememberFile } from '../lib/recentFiles';
 import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
-import { shownNumber } from '../lib/shownNumber';
-import { withFileUnit } from '../lib/units';
 import { textOf } from '../lib/textFile';
-import { readMechanismDraft, removeMechanismDraft, storeMechanismDraft, type MechanismDraft } from './draft';
+import { MechanismAnalyses, type Analysis } from './analyses.svelte';
+import { ConfigurationController, type Selection } from './configurationController.svelte';
 import type { PicturedView } from '../state/picture';
 import type { RecordedView } from '../state/recorder.svelte';
+import { TextDrafts } from '../state/textDrafts.svelte';
 
 /** Pause in typing after which a text is read [ms]. */
 const TYPING_PAUSE_MS = 350;
@@ -43,47 +43,12 @@ interface Model {
   text: string;
 }
 
-/** An analysis of one configuration, or why there is none. */
-export interface Analysis<T> {
-  of: ConfigurationDocument;
-  result: T | null;
-  problem: string | null;
-}
-
-/** A point of a link that is moved by hand. */
-export interface MovedPoint {
-  link: string;
-  /** In the frame of the link [m]. */
-  point_m: number[];
-  /** Wanted position [m]; `null` if none was entered. */
-  to_m: number[] | null;
-  /** Position without exaggerated play [m], in one configuration. */
-  position_m: number[] | null;
-  of: ConfigurationDocument | null;
-  /** How far the wanted position is, and what keeps the point there. */
-  message: string | null;
-}
-
-export type Selection = NonNullable<MechanismLink['selected']>;
-
 /** The 3D view, as far as other parts of the page use it. */
 export interface MechanismSceneView extends PicturedView, RecordedView {
   cameraPose: CameraPose;
 }
 
 const EMPTY: Work = { name: '', text: '', parameters: {}, ofServer: false, saved: '' };
-
-/** A point of a selected part that can be moved [m, in the frame of its link]: at a joint, or at the end of a link; `null` for the base. */
-function movingPoint(document: MechanismDocument, { kind, name }: Selection): { link: string; point_m: number[] } | null {
-  if (kind === 'link') {
-    const k = document.links.findIndex((link) => link.name === name);
-    return k > 0 ? { link: name, point_m: document.links[k]!.bars[0]?.to_m ?? [0, 0, 0] } : null;
-  }
-  const virtual = document.virtual_joints.find((one) => one.name === name);
-  const joint = kind === 'virtual' ? virtual && document.joints[virtual.joint] : document.joints.find((one) => one.name === name);
-  const side = joint?.links.findIndex((k) => k > 0) ?? -1;
-  return joint && side >= 0 ? { link: document.links[joint.links[side]!]!.name, point_m: joint.frames[side]!.origin_m } : null;
-}
 
 class MechanismSession {
   tab = $state<MechanismTab>('catalogue');
@@ -92,9 +57,6 @@ class MechanismSession {
   opened = $state.raw<OpenedDocument | null>(null);
   /** The last mechanism without errors. */
   document = $state.raw<MechanismDocument | null>(null);
-  configuration = $state.raw<ConfigurationDocument | null>(null);
-  /** Poses of the links at the play scale, once they differ from those of the configuration. */
-  poses = $state.raw<ConfigurationDocument['poses'] | null>(null);
   /** The 3D view, while there is one. */
   view: MechanismSceneView | null = null;
   /** A camera that the view is still to take over: that of a link, or of the view when it was last closed. */
@@ -104,64 +66,35 @@ class MechanismSession {
   /** Number of texts shown; the camera is placed again for each. */
   shown = $state(0);
   entries = $state.raw<api.CatalogueEntry[]>([]);
-  playScale = $state(1);
   selected = $state.raw<Selection | null>(null);
-  point = $state.raw<MovedPoint | null>(null);
   /** Index of the redundant constraint whose joints are highlighted. */
   redundant = $state<number | null>(null);
-  /** Why the last motion stopped, or what it met. */
-  stopped = $state<string | null>(null);
-  met = $state.raw<string[]>([]);
-  /** Values of driven coordinates at singular configurations that were met, by name. */
-  singularValues = $state.raw<Record<string, number[]>>({});
-  /** Errors by coordinate: values that cannot be commanded. */
-  refused = $state.raw<Record<string, string>>({});
   notice = $state<string | null>(null);
   /** A file that another view shows, or of which this view shows a part. */
   otherView = $state.raw<{ kind: 'cell' | 'program' | 'three_rods'; name: string; text: string } | null>(null);
   diskConflict = $state(false);
-  /** Unsaved text of an earlier visit, which is offered. */
-  draft = $state.raw<MechanismDraft | null>(null);
-  moving = $state(false);
+  readonly drafts: TextDrafts = new TextDrafts('mechanism', () => this.work);
   reading = $state(false);
   canUndo = $state(false);
   canRedo = $state(false);
-  mobility = $state.raw<Analysis<api.MobilityOfMechanism> | null>(null);
-  motions = $state.raw<Analysis<api.MotionsDocument> | null>(null);
-  modes = $state.raw<Analysis<api.BranchesDocument> | null>(null);
-  /** Virtual joints for a text; they do not depend on the configuration. */
-  suggestion = $state.raw<{ of: string; result: api.SuggestDocument | null; problem: string | null } | null>(null);
-  /** The running analysis, for its button. */
-  computing = $state<'motions' | 'modes' | 'suggestion' | null>(null);
-  /** The animated instantaneous motion. */
-  animated = $state<number | null>(null);
-  #typing = $state(false);
+  /** Whether the text is being typed. */
+  typing = $state(false);
+  readonly controller: ConfigurationController = new ConfigurationController(this);
+  readonly analyses: MechanismAnalyses = new MechanismAnalyses(this);
   changed = $derived(this.work.text !== this.work.saved || Object.keys(this.work.parameters).length > 0);
   diagnostics = $derived(this.opened?.diagnostics ?? []);
   /** Whether mechanism and configuration may differ from those of the text. */
-  outdated = $derived(this.document !== null && (this.reading || this.#typing || this.diagnostics.length > 0 || connection.state === 'disconnected'));
+  outdated = $derived(this.document !== null && (this.reading || this.typing || this.diagnostics.length > 0 || connection.state === 'disconnected'));
   /** Whether an analysis is that of the shown configuration. */
-  current = (analysis: Analysis<unknown> | null): boolean => analysis !== null && analysis.of === this.configuration && !this.outdated && !this.moving;
+  current = (analysis: Analysis<unknown> | null): boolean => analysis !== null && analysis.of === this.controller.configuration && !this.outdated && !this.controller.moving;
 
   #model: Model | null = null;
-  /** Whether the stored draft is that of this page. */
-  #hasStored = false;
   #version: string | null = null;
   #started = false;
   #history = new History<Work>(EMPTY);
   #timer: ReturnType<typeof setTimeout> | undefined;
   #settle: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
-  #mobilityAbort: AbortController | null = null;
-  /** Wanted values of driven coordinates that were not sent yet. */
-  #wanted: Record<string, string> = {};
-  /** Wanted position of the point that was not sent yet. */
-  #wantedPosition: { to_m: number[]; as_drawn: boolean } | null = null;
-  #scaling = false;
-  /** Play scale of the poses. */
-  #posesScale = 1;
-  /** Play scale of the assembly modes. */
-  #modesScale = 1;
 
   constructor() {
     connection.onReconnect(() => {
@@ -170,10 +103,8 @@ class MechanismSession {
       if (this.work.text !== '') void this.#read(this.#here);
     });
     window.addEventListener('beforeunload', (event) => {
-      this.#store();
       if (this.changed) event.preventDefault();
     });
-    window.addEventListener('pagehide', () => this.#store());
   }
 
   /** Why there is no configuration. */
@@ -198,44 +129,27 @@ class MechanismSession {
     if (this.#started) return;
     this.#started = true;
     await Promise.all([this.#loadCatalogue(), ofServer ? this.reload() : undefined]);
-    const draft = readMechanismDraft();
-    if (draft && draft.text !== this.work.text) this.draft = draft;
+    this.drafts.offer();
     this.started = true;
   }
 
   // Drafts
 
-  /** Stores an unsaved text in the browser. */
-  #store(): void {
-    const { name, text, saved, ofServer } = this.work;
-    if (text !== saved) storeMechanismDraft({ name, text, saved, ofServer, stored_ms: Date.now() });
-    // The draft of an earlier visit remains until it is restored or discarded.
-    else if (this.#hasStored) removeMechanismDraft();
-    this.#hasStored = text !== saved;
-  }
-
   /** Restores the offered text; undo returns to the previous one. */
   async restoreDraft(): Promise<void> {
-    const { draft } = this;
+    const draft = this.drafts.take();
     if (!draft) return;
-    this.draft = null;
     // Another file may have the same name: only changes of the very text of the server are saved into its file.
     const ofServer = draft.ofServer && this.work.ofServer && this.work.name === draft.name && this.work.saved === draft.saved;
     this.#model = null;
     this.work = { name: draft.name, text: draft.text, parameters: {}, ofServer, saved: ofServer ? this.work.saved : draft.saved };
     this.#commitWork();
-    this.#store();
+    this.drafts.store();
     this.selected = null;
-    this.point = null;
+    this.controller.point = null;
     await this.#read(null);
     this.shown += 1;
     this.tab = this.diagnostics.length > 0 ? 'text' : 'tree';
-  }
-
-  /** Removes the offered text. */
-  discardDraft(): void {
-    this.draft = null;
-    removeMechanismDraft();
   }
 
   async #loadCatalogue(): Promise<void> {
@@ -268,7 +182,7 @@ class MechanismSession {
     this.#abort = abort;
     this.notice = null;
     this.otherView = null;
-    this.playScale = 1;
+    this.controller.playScale = 1;
     this.reading = true;
     try {
       const source = loops === null ? { text } : { text, loops };
@@ -349,27 +263,18 @@ class MechanismSession {
     const { mechanism } = opened;
     if (fresh || mechanism) {
       this.document = mechanism ?? null;
-      this.#setConfiguration(mechanism?.configuration ?? null, scale);
-      this.stopped = null;
-      this.met = [];
-      this.refused = {};
-      this.singularValues = {};
+      this.controller.take(mechanism?.configuration ?? null, fresh, scale);
       this.redundant = null;
-      this.animated = null;
-      if (fresh) {
-        this.#wanted = {};
-        this.point = null;
-      }
     }
     if (fresh) this.shown += 1;
-    this.#settled();
+    this.settled();
   }
 
   // The text
 
   edit(text: string): void {
     this.work = { ...this.work, text };
-    this.#typing = true;
+    this.typing = true;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => void this.commit(), TYPING_PAUSE_MS);
   }
@@ -377,23 +282,23 @@ class MechanismSession {
   /** Completes an edit: adds it to the undo history and reads the text. */
   async commit(): Promise<void> {
     clearTimeout(this.#timer);
-    this.#typing = false;
+    this.typing = false;
     if (this.#history.commit(this.work)) this.#updateHistory();
-    this.#store();
+    this.drafts.store();
     await this.#read(this.#here);
   }
 
   /** Sets parameters and play scale, and closes the loops near given coordinates, or near the guess of the file. */
   async arrange(parameters: Record<string, number>, coordinates: number[] | null, playScale: number): Promise<void> {
     this.work = { ...this.work, parameters };
-    this.playScale = playScale;
+    this.controller.playScale = playScale;
     this.commitParameters();
     await this.#read(coordinates);
   }
 
   /** Coordinates of the shown configuration. */
   get #here(): number[] | null {
-    return this.configuration?.coordinates ?? null;
+    return this.controller.configuration?.coordinates ?? null;
   }
 
   /** Reads the text again, near given coordinates or from its guess. */
@@ -403,12 +308,12 @@ class MechanismSession {
     this.#abort = abort;
     this.reading = true;
     try {
-      const { playScale } = this;
+      const { playScale } = this.controller;
       const opened = await api.openMechanism(this.source, from, playScale, abort.signal);
       if (abort.signal.aborted) return;
       this.#take(opened, false, playScale);
       this.reading = false;
-      if (this.#isWanted && !this.moving) void this.#move();
+      this.controller.resume();
     } catch (error) {
       // Without a connection, the state stays outdated until the text is read again.
       if (this.#abort === abort && !(error instanceof ConnectionError)) this.reading = false;
@@ -422,7 +327,7 @@ class MechanismSession {
   }
 
   undo(): void {
-    if (this.#typing) void this.commit();
+    if (this.typing) void this.commit();
     this.#restore(this.#history.undo());
   }
 
@@ -464,7 +369,7 @@ class MechanismSession {
       this.#version = version;
       this.diskConflict = false;
       if (this.work.ofServer) this.work = { ...this.work, saved: text };
-      this.#store();
+      this.drafts.store();
     } catch (error) {
       if (error instanceof api.ApiError && error.field === 'replaces') this.diskConflict = !(await this.#isOfOtherFile());
       else if (error instanceof ConnectionError) this.notice = 'The text was not saved: the server does not respond. Save again after reconnection.';
@@ -494,62 +399,7 @@ class MechanismSession {
     link.click();
     URL.revokeObjectURL(link.href);
     this.work = { ...this.work, saved: text };
-    this.#store();
-  }
-
-  // The configuration
-
-  /** Drives a coordinate to a value: an expression in the units of the file. */
-  drive(name: string, value: string): void {
-    this.animated = null;
-    this.#wanted = { ...this.#wanted, [name]: value };
-    this.#start();
-  }
-
-  /** Whether a motion is wanted that was not sent yet. */
-  get #isWanted(): boolean {
-    return Object.keys(this.#wanted).length > 0 || this.#wantedPosition !== null;
-  }
-
-  /** Begins to move; a text that is being read may change the coordinates: the motion begins afterwards. */
-  #start(): void {
-    if (!this.moving && !this.reading && !this.#typing) void this.#move();
-  }
-
-  /** Takes a point of a link to be moved [m, in the frame of the link]. */
-  takePoint(link: string, point_m: number[]): void {
-    this.animated = null;
-    this.point = { link, point_m, to_m: null, position_m: null, of: null, message: null };
-    if (!this.moving) void this.#measurePoint();
-  }
-
-  /** Takes a point of the selected part, unless a point of its link was taken; without a selection, there is none. */
-  takeSelected(): void {
-    const { selected, document, point } = this;
-    const found = document && selected && movingPoint(document, selected);
-    if (!found) this.point = null;
-    else if (point?.link !== found.link) this.takePoint(found.link, found.point_m);
-  }
-
-  /** Moves the point as near as possible to a position [m]; `as_drawn` is a position in the picture, with exaggerated play. */
-  movePoint(to_m: number[], as_drawn: boolean): void {
-    if (!this.point) return;
-    this.animated = null;
-    this.#wantedPosition = { to_m, as_drawn };
-    if (!as_drawn) this.point = { ...this.point, to_m };
-    this.#start();
-  }
-
-  /** Requests the position of the point in the shown configuration. */
-  async #measurePoint(): Promise<void> {
-    const { point, configuration, outdated } = this;
-    if (!point || !configuration || outdated || point.of === configuration) return;
-    try {
-      const { position_m } = await api.reachMechanism(this.source, configuration.coordinates, point, null, 1);
-      if (this.point === point && this.configuration === configuration) this.point = { ...point, position_m, of: configuration };
-    } catch (error) {
-      this.failed(error);
-    }
+    this.drafts.store();
   }
 
   /** Returns to the closed configuration near the guess of the file. */
@@ -557,186 +407,15 @@ class MechanismSession {
     void this.#read(null);
   }
 
-  setPlayScale(scale: number): void {
-    this.playScale = scale;
-    if (!this.moving && !this.#scaling) void this.#scale();
-  }
-
-  /** Requests the poses at the last play scale; the configuration stays, and so do its analyses. */
-  async #scale(): Promise<void> {
-    this.#scaling = true;
-    try {
-      while (this.#posesScale !== this.playScale && this.configuration && !this.moving) {
-        const { configuration, playScale } = this;
-        const { poses } = await api.mechanismConfiguration(this.source, configuration.coordinates, playScale);
-        if (this.configuration !== configuration) continue;
-        this.poses = poses;
-        this.#posesScale = playScale;
-      }
-    } catch (error) {
-      this.failed(error);
-    } finally {
-      this.#scaling = false;
-    }
-  }
-
-  #setConfiguration(configuration: ConfigurationDocument | null, scale: number): void {
-    this.configuration = configuration;
-    this.poses = configuration?.poses ?? null;
-    this.#posesScale = scale;
-    if (scale !== this.playScale && !this.#scaling) void this.#scale();
-  }
-
-  /** Shows another closed configuration. */
-  show(configuration: ConfigurationDocument): void {
-    this.animated = null;
-    this.stopped = null;
-    this.met = [];
-    this.#setConfiguration(configuration, this.#modesScale);
-    this.#settled();
-  }
-
-  async #move(): Promise<void> {
-    this.moving = true;
-    try {
-      while (this.#isWanted && this.configuration && !this.reading && !this.#typing)
-        if (this.#wantedPosition) await this.#reach(this.configuration);
-        else await this.#drive(this.configuration);
-    } finally {
-      this.moving = false;
-      this.setPlayScale(this.playScale);
-      this.#settled();
-    }
-  }
-
-  async #drive({ coordinates }: ConfigurationDocument): Promise<void> {
-    const to = this.#wanted;
-    this.#wanted = {};
-    const { document, playScale } = this;
-    try {
-      const found = await api.driveMechanism(this.source, coordinates, to, playScale);
-      if (document !== this.document) {
-        // Another mechanism: its configuration is the start.
-        this.#wanted = { ...to, ...this.#wanted };
-        return;
-      }
-      this.#setConfiguration(found.configuration, playScale);
-      if (this.point) this.point = { ...this.point, to_m: null, message: null };
-      this.stopped = found.message ?? null;
-      this.refused = {};
-      this.#note(found);
-    } catch (error) {
-      const name = error instanceof api.ApiError && error.field?.startsWith('to.') ? error.field.slice(3) : null;
-      if (name !== null && error instanceof Error) this.refused = { ...this.refused, [name]: error.message };
-      else if (error instanceof api.ApiError) this.stopped = error.message;
-      else this.failed(error);
-    }
-  }
-
-  async #reach({ coordinates }: ConfigurationDocument): Promise<void> {
-    const wanted = this.#wantedPosition;
-    this.#wantedPosition = null;
-    const { document, playScale, point } = this;
-    if (!wanted || !point) return;
-    try {
-      const { configuration, position_m, message } = await api.reachMechanism(this.source, coordinates, point, wanted, playScale);
-      if (document !== this.document) return;
-      this.#setConfiguration(configuration, playScale);
-      if (this.point?.link === point.link) this.point = { ...this.point, position_m, of: configuration, message: message ?? null };
-      this.stopped = null;
-      this.met = [];
-    } catch (error) {
-      if (error instanceof api.ApiError && this.point) this.point = { ...this.point, message: error.message };
-      else this.failed(error);
-    }
-  }
-
-  /** Notes what was met during a motion. */
-  #note({ singular, first_beyond_limits, configuration }: api.DriveDocument): void {
-    const met = singular.map(({ drives, branches }) => {
-      const at = Object.entries(drives).map(([name, value]) => `${name} = ${this.format(name, value)}`).join(', ');
-      const meet = branches === null || branches === undefined ? 'the number of branches is undecided' : branches === 1 ? 'no other branch crosses' : `${branches} branches meet`;
-      return `Singular configuration at ${at}: ${meet}.`;
-    });
-    if (first_beyond_limits && configuration.limits_broken.length === 0) met.push(`Beyond limits during the motion, at ${first_beyond_limits.place}: ${first_beyond_limits.limits_broken.map(({ message }) => message).join('; ')}.`);
-    this.met = met;
-    const values = { ...this.singularValues };
-    for (const { drives } of singular)
-      for (const [name, value] of Object.entries(drives)) values[name] = [...new Set([...(values[name] ?? []), value])].slice(-8);
-    this.singularValues = values;
-  }
-
-  /** A value of a coordinate with its unit. */
-  format(name: string, value: number): string {
-    const found = this.document?.coordinates.find((one) => one.name === name);
-    return found ? withFileUnit(shownNumber(value, found.decimals), found.unit) : String(value);
-  }
-
-  // Analyses
-
-  /** Computes the mobility after a pause. */
-  #settled(): void {
+  /** Computes what depends on the configuration, after a pause. */
+  settled(): void {
     clearTimeout(this.#settle);
-    this.#mobilityAbort?.abort();
-    if (this.configuration)
+    this.analyses.cancelMobility();
+    if (this.controller.configuration)
       this.#settle = setTimeout(() => {
-        void this.#computeMobility();
-        void this.#measurePoint();
+        void this.analyses.computeMobility();
+        void this.controller.measurePoint();
       }, SETTLED_MS);
-  }
-
-  async #computeMobility(): Promise<void> {
-    const { configuration } = this;
-    if (!configuration || this.moving) return;
-    const abort = new AbortController();
-    this.#mobilityAbort = abort;
-    const done = (result: api.MobilityOfMechanism | null, problem: string | null) => {
-      if (!abort.signal.aborted && this.configuration === configuration) this.mobility = { of: configuration, result, problem };
-    };
-    try {
-      done(await api.mechanismMobility(this.source, configuration.coordinates, abort.signal), null);
-    } catch (error) {
-      if (error instanceof api.ApiError) done(null, error.message);
-      else this.failed(error);
-    }
-  }
-
-  async #analyse<T>(what: 'motions' | 'modes', ask: (configuration: ConfigurationDocument) => Promise<T>): Promise<Analysis<T> | null> {
-    const { configuration } = this;
-    if (!configuration) return null;
-    this.computing = what;
-    try {
-      return { of: configuration, result: await ask(configuration), problem: null };
-    } catch (error) {
-      if (error instanceof api.ApiError) return { of: configuration, result: null, problem: error.message };
-      this.failed(error);
-      return null;
-    } finally {
-      this.computing = null;
-    }
-  }
-
-  async computeMotions(): Promise<void> {
-    this.motions = await this.#analyse('motions', ({ coordinates }) => api.mechanismMotions(this.source, coordinates));
-    if (this.motions?.result?.motions.length) this.animated = 0;
-  }
-
-  async computeModes(): Promise<void> {
-    this.#modesScale = this.playScale;
-    this.modes = await this.#analyse('modes', ({ coordinates }) => api.mechanismBranches(this.source, coordinates, this.playScale));
-  }
-
-  async computeSuggestion(): Promise<void> {
-    const of = this.sourceKey;
-    this.computing = 'suggestion';
-    try {
-      this.suggestion = { of, result: await api.suggestVirtualJoints(this.source, new AbortController().signal), problem: null };
-    } catch (error) {
-      if (error instanceof api.ApiError) this.suggestion = { of, result: null, problem: error.message };
-      else this.failed(error);
-    } finally {
-      this.computing = null;
-    }
   }
 
   /** Identifies the text with its parameters. */
@@ -746,8 +425,8 @@ class MechanismSession {
 
   /** Replaces the virtual joints of the text by those of a suggested set. */
   async apply(set: number): Promise<void> {
-    const text = this.suggestion?.result?.texts[set];
-    if (text === undefined || this.suggestion?.of !== this.sourceKey) return;
+    const text = this.analyses.suggestedText(set);
+    if (text === null) return;
     this.work = { ...this.work, text };
     await this.commit();
   }

@@ -1,4 +1,4 @@
-// Lines, arrows and dots with a width, rendered over all parts so that joint play is never hidden. Units: mm.
+// Lines, arrows and dots with a width, rendered over all parts so that joint play is never hidden.
 
 import {
   BufferGeometry,

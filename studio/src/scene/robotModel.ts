@@ -1,4 +1,4 @@
-// 3D model of the three-rod robot: base with actuators, guides, rods, balls, bearings, platform. Units: mm.
+// 3D model of the three-rod robot: base with actuators, guides, rods, balls, bearings, platform. Units: those of the scene, see `robotSize.ts`.
 //
 // All parts are rigid at every play scale: rods with their guides are displaced against the platform, and bearings are larger.
 
@@ -24,10 +24,10 @@ import {
 } from 'three';
 import { cutPlate, outline, type Point } from '../lib/geometry';
 import { disposeGeometries } from './dispose';
-import { LARGEST_GAP_MM } from '../lib/playScale';
+import { LARGEST_GAP } from '../lib/playScale';
 import type { SceneColours } from './palette';
 
-/** Dimensions that are not in the robot file, chosen to resemble the robot [mm]. */
+/** Dimensions that are not in the robot file, chosen to resemble the robot. */
 export const SIZES = {
   flange: 16,
   housing: 90,
@@ -45,13 +45,13 @@ export const SIZES = {
   tail: 96,
 } as const;
 
-/** Thickness of the race of a bearing, least and largest gap around its ball [mm]. */
-const BEARING = { wall: 3.2, gap: { min: 0.25, max: LARGEST_GAP_MM }, step: 0.25 } as const;
+/** Thickness of the race of a bearing, least and largest gap around its ball. */
+const BEARING = { wall: 3.2, gap: { min: 0.25, max: LARGEST_GAP }, step: 0.25 } as const;
 
 export interface RobotGeometry {
-  /** Intersections of the rod axes with the base plane [mm]. */
+  /** Intersections of the rod axes with the base plane. */
   bases: Point[];
-  /** Nominal sockets in the platform frame [mm]. */
+  /** Nominal sockets in the platform frame. */
   sockets: Point[];
 }
 
@@ -197,12 +197,12 @@ export class RobotModel {
     this.group.add(this.ghost);
   }
 
-  /** Points of the outline of the platform in the base frame [mm]. */
+  /** Points of the outline of the platform in the base frame. */
   corners(): Vector3[] {
     return this.lines[0]!.map(([x, y]) => new Vector3(x, y, 0).applyMatrix4(this.platform.matrix));
   }
 
-  /** Points of the convex parts that labels do not cover: platform, rods [mm]. */
+  /** Points of the convex parts that labels do not cover: platform, rods. */
   silhouettes(): Vector3[][] {
     const platform = this.platform.visible ? this.#platformPoints() : this.ghost.visible ? this.lines[0]!.map(([x, y]) => new Vector3(x, y, 0).applyMatrix4(this.ghost.matrix)) : [];
     const rods = this.#limbs.map(({ ball, rod }) => {
@@ -212,7 +212,7 @@ export class RobotModel {
     return [platform, ...rods];
   }
 
-  /** Points of the surface of the platform whose convex hull contains it [mm]. */
+  /** Points of the surface of the platform whose convex hull contains it. */
   #platformPoints(): Vector3[] {
     const half = SIZES.plate / 2 + 1;
     if (this.#generatedPlatform) return this.lines[0]!.flatMap(([x, y]) => [half, -half].map((z) => new Vector3(x, y, z).applyMatrix4(this.platform.matrix)));
@@ -228,7 +228,7 @@ export class RobotModel {
     if (part === 'platform') this.#generatedPlatform = false;
   }
 
-  /** Radius of the displayed race of a bearing for a displayed gap [mm]. */
+  /** Radius of the displayed race of a bearing for a displayed gap. */
   static raceRadius(gap: number): number {
     return SIZES.ball + Math.min(Math.max(gap, BEARING.gap.min), BEARING.gap.max);
   }
@@ -253,7 +253,7 @@ export class RobotModel {
     });
   }
 
-  /** Moves rods and balls to ball centres, and the platform to its pose; the bearings have a gap around the balls [mm]. */
+  /** Moves rods and balls to ball centres, and the platform to its pose; the bearings have a gap around the balls. */
   place(balls: Vector3[], platform: Matrix4, gap: number): void {
     this.#fitBearings(gap);
     this.platform.matrix.copy(platform);

@@ -2,6 +2,7 @@
 
 import {
   Box3,
+  Group,
   Object3D,
   OrthographicCamera,
   PerspectiveCamera,
@@ -17,6 +18,7 @@ import type { AxisArrow, Overlay } from './labels';
 import { SCENE, type Theme } from './palette';
 import { RobotMaterials, RobotModel, SIZES } from './robotModel';
 import { updateRobotScene, type RobotPicture } from './robotScene';
+import { sceneUnits } from './robotSize';
 import { CUBE_SIDES } from './standardViews';
 import { SceneRenderer, type Camera, type RendererEvents } from './sceneRenderer';
 
@@ -33,7 +35,7 @@ const BUTTON = { left: 0, right: 136, top: 0, bottom: 46 } as const;
 const LOW_VIEW = { height: 350, width: 600 } as const;
 /** Width at the right of other views with view cube and buttons [px]. */
 const COLUMN = 104;
-/** Height of the ground [mm]. */
+/** Height of the ground [units of the scene]. */
 const FLOOR = -SIZES.flange - SIZES.housing;
 
 export interface RobotRendererEvents extends RendererEvents {
@@ -49,6 +51,8 @@ export class RobotRenderer extends SceneRenderer {
   #robot: RobotModel | null = null;
   #picture: RobotPicture | null = null;
   #animation = 0;
+  /** Units of the scene in a metre. */
+  #units = 1000;
   /** Whether the view is still the initial one, which adapts to the size of the window. */
   #initialView = true;
   /** Width at the left of the view that is covered by another element [px]. */
@@ -82,8 +86,12 @@ export class RobotRenderer extends SceneRenderer {
     super.dispose();
   }
 
-  /** Builds the model of the robot from the points of its rods in the base plane and its nominal sockets [mm]. */
-  build(bases: Point[], sockets: Point[]): void {
+  /** Builds the model of a robot from the points of its rods in the base plane and its nominal sockets; shadows reach to the working height [m]. */
+  build(limbs: readonly { base_point_m: readonly number[]; socket_m: readonly number[] }[], workingHeight: number): void {
+    this.#units = sceneUnits(limbs);
+    this.unit_mm = 1000 / this.#units;
+    const points = (of: (limb: (typeof limbs)[number]) => readonly number[]) => limbs.map((limb) => of(limb).map((metres) => metres * this.#units) as Point);
+    const [bases, sockets] = [points(({ base_point_m }) => base_point_m), points(({ socket_m }) => socket_m)];
     if (this.#robot) {
       this.scene.remove(this.#robot.group);
       this.#robot.dispose();
@@ -93,13 +101,14 @@ export class RobotRenderer extends SceneRenderer {
     const radius = Math.max(...sockets.map((socket) => Math.hypot(...socket)));
     this.setHandles(new Handles(radius));
     const reach = radius + SIZES.rim;
-    const height = this.#picture?.pose.axis_height_m ?? 0.5;
-    this.placeGround(new Box3(new Vector3(-reach, -reach, FLOOR), new Vector3(reach, reach, 1000 * height + 60)), FLOOR);
+    this.placeGround(new Box3(new Vector3(-reach, -reach, FLOOR), new Vector3(reach, reach, this.#units * workingHeight + 60)), FLOOR);
   }
 
   /** Replaces a generated part by a mesh of the robot file. */
   setMesh(part: 'base' | 'platform', mesh: Object3D): void {
-    this.#robot?.setMesh(part, mesh);
+    const scaled = new Group().add(mesh);
+    scaled.scale.setScalar(1 / this.unit_mm);
+    this.#robot?.setMesh(part, scaled);
     this.partsMoved();
     if (this.#initialView && this.#picture) this.showInitialView();
   }
@@ -112,7 +121,7 @@ export class RobotRenderer extends SceneRenderer {
   /** Extent of a displayed part along x, y and z of the base frame [mm]. */
   extent(part: 'base' | 'platform'): number[] {
     const box = this.#robot ? new Box3().setFromObject(this.#robot[part]) : new Box3();
-    return box.getSize(new Vector3()).toArray();
+    return box.getSize(new Vector3()).multiplyScalar(this.unit_mm).toArray();
   }
 
   /** Positions of the corners of the platform on the page [px]. */
@@ -154,7 +163,7 @@ export class RobotRenderer extends SceneRenderer {
       this.partsMoved();
     if (picture.shown !== this.#picture?.shown) this.surfacesChanged();
     this.#picture = picture;
-    if (this.handles) this.handles.group.position.z = picture.pose.axis_height_m * 1000;
+    if (this.handles) this.handles.group.position.z = picture.pose.axis_height_m * this.#units;
     this.invalidate();
   }
 
@@ -162,8 +171,8 @@ export class RobotRenderer extends SceneRenderer {
 
   get view(): View {
     return {
-      eye_mm: this.camera.position.toArray(),
-      target_mm: this.controls.target.toArray(),
+      eye_mm: this.camera.position.clone().multiplyScalar(this.unit_mm).toArray(),
+      target_mm: this.controls.target.clone().multiplyScalar(this.unit_mm).toArray(),
       projection: this.camera === this.#perspective ? 'perspective' : 'orthographic',
       zoom: this.camera.zoom,
     };
@@ -177,8 +186,8 @@ export class RobotRenderer extends SceneRenderer {
   set view(view: View) {
     this.#initialView = false;
     this.#useCamera(view.projection === 'perspective' ? this.#perspective : this.#orthographic);
-    this.camera.position.set(...view.eye_mm);
-    this.controls.target.set(...view.target_mm);
+    this.camera.position.set(...view.eye_mm).divideScalar(this.unit_mm);
+    this.controls.target.set(...view.target_mm).divideScalar(this.unit_mm);
     this.camera.zoom = view.zoom;
     this.#updateProjection();
     this.controls.update();
@@ -219,8 +228,8 @@ export class RobotRenderer extends SceneRenderer {
 
   /** Shows a close-up of the platform. */
   lookAtPlatform(side: StandardView = 'home'): void {
-    const height = (this.#picture?.pose.axis_height_m ?? 0.5) * 1000;
-    const sockets = this.#picture?.robot.limbs.map((limb) => limb.socket_radius_m * 1000) ?? [93];
+    const height = (this.#picture?.pose.axis_height_m ?? 0.5) * this.#units;
+    const sockets = this.#picture?.robot.limbs.map(({ socket_m }) => Math.hypot(socket_m[0]!, socket_m[1]!) * this.#units) ?? [93];
     const reach = Math.max(...sockets) + SIZES.rim + 12;
     this.look(side, new Box3(new Vector3(-reach, -reach, height - 30), new Vector3(reach, reach, height + 16)));
   }

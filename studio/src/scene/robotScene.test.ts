@@ -4,6 +4,7 @@ import type { ModelDocument, PoseDocument, RobotDocument } from '../api/client';
 import { Annotations } from './annotations';
 import { RobotMaterials, RobotModel } from './robotModel';
 import { updateRobotScene } from './robotScene';
+import { sceneUnits } from './robotSize';
 
 /** A platform that is not regular, in an invented pose with play, torsion and shift. */
 const SOCKETS: [number, number][] = [[0.093, 0.004], [-0.05, 0.081], [-0.041, -0.084]];
@@ -64,4 +65,37 @@ describe('the displayed robot', () => {
       expect(ball.distanceTo(real)).toBeLessThan(1e-9);
     });
   });
+});
+
+test('robots of 1 mm and of 10 m have the picture of a robot of their shape', () => {
+  const scaled = (by: number) => {
+    const times = (values: readonly number[]) => values.map((value) => value * by);
+    const limbs = SOCKETS.map((socket) => ({ socket_m: times(socket), socket_radius_m: by * Math.hypot(...socket) }));
+    const placed = ({ origin_m, rotation }: typeof answer.pose) => ({ origin_m: times(origin_m), rotation });
+    return {
+      robot: { limbs, virtualizations: [] } as unknown as RobotDocument,
+      pose: {
+        axis_height_m: by * HEIGHT,
+        approximate: { pose: placed({ origin_m: [0, 0, HEIGHT], rotation: rows }), gaps_m: moves.map(([x, y]) => times([x, y, 0])) },
+        models: [{ model: { virtualization: 'planar' }, answer: { ...answer, pose: placed(answer.pose), center_shift_m: times(SHIFT), sockets_m: moved.map(times) } }],
+      } as unknown as PoseDocument,
+    };
+  };
+  const center = (by: number) => {
+    const { robot, pose } = scaled(by);
+    const units = sceneUnits(robot.limbs);
+    const sockets = robot.limbs.map(({ socket_m: [x, y] }) => [x! * units, y! * units] as [number, number]);
+    const body = new RobotModel({ bases: sockets, sockets }, new RobotMaterials());
+    updateRobotScene({ robot, pose, model: 'planar', exaggeration: 500, shown, theme: 'light', unit: 'mm' }, body, new Annotations());
+    return { radius: Math.max(...sockets.map((socket) => Math.hypot(...socket))), center: new Vector3().setFromMatrixPosition(body.platform.matrix) };
+  };
+  // Sizes of the robots: 1 mm, 3 mm, 10 m and 30 m.
+  const [tiny, small, large, huge] = [0.01, 0.03, 100, 300].map(center) as [ReturnType<typeof center>, ReturnType<typeof center>, ReturnType<typeof center>, ReturnType<typeof center>];
+  expect(small.center.distanceTo(tiny.center)).toBeLessThan(1e-6);
+  expect(huge.center.distanceTo(large.center)).toBeLessThan(1e-6);
+  // Balls of 8.5 and rims of 34 units fit to these radii.
+  for (const { radius } of [tiny, small, large, huge]) {
+    expect(radius).toBeGreaterThan(40);
+    expect(radius).toBeLessThan(250);
+  }
 });

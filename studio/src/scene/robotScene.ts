@@ -9,6 +9,7 @@ import { small, type LengthUnit } from '../lib/units';
 import type { AxisArrow, Label } from './labels';
 import { MODEL_COLOURS, SCENE, type Theme } from './palette';
 import { RobotModel, SIZES } from './robotModel';
+import { sceneUnits } from './robotSize';
 import type { Annotations } from './annotations';
 
 /** A pose with all options of its display. */
@@ -22,8 +23,6 @@ export interface RobotPicture {
   theme: Theme;
   unit: LengthUnit;
 }
-
-const MM = 1000;
 
 /** The result of a model at a pose. */
 export function modelResult(pose: PoseDocument, model: string): ModelDocument | undefined {
@@ -45,16 +44,17 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
   const { robot, pose, exaggeration, shown, theme, unit } = picture;
   const colours = SCENE[theme];
   const models = MODEL_COLOURS[theme];
-  const sockets = robot.limbs.map(({ socket_m }) => [socket_m[0]! * MM, socket_m[1]! * MM] as Point);
+  const units = sceneUnits(robot.limbs);
+  const sockets = robot.limbs.map(({ socket_m }) => [socket_m[0]! * units, socket_m[1]! * units] as Point);
   const labels: Label[] = [];
   const result = modelResult(pose, picture.model)?.answer;
-  const placement = result ? placementOf(result.pose, result.torsion_rad, sockets, pose.axis_height_m, exaggeration) : null;
-  const ghost = placementOf(pose.approximate.pose, 0, sockets, pose.axis_height_m, exaggeration);
+  const placement = result ? placementOf(result.pose, result.torsion_rad, sockets, pose.axis_height_m, exaggeration, units) : null;
+  const ghost = placementOf(pose.approximate.pose, 0, sockets, pose.axis_height_m, exaggeration, units);
   const displayed = placement ?? ghost;
   // Exactly the displacements of the model, or those of the approximate pose.
   const displacements = sockets.map((socket, k): Vector3 => {
-    if (!result) return new Vector3(...(pose.approximate.gaps_m[k] as Triple)).multiplyScalar(MM * exaggeration);
-    const [x, y] = displayedBall(socket, [result.sockets_m[k]![0]! * MM, result.sockets_m[k]![1]! * MM], exaggeration);
+    if (!result) return new Vector3(...(pose.approximate.gaps_m[k] as Triple)).multiplyScalar(units * exaggeration);
+    const [x, y] = displayedBall(socket, [result.sockets_m[k]![0]! * units, result.sockets_m[k]![1]! * units], exaggeration);
     return displayed.toBase([x - socket[0], y - socket[1]]);
   });
   const balls = displacements.map((displacement, k) => (displayed.sockets[k] as Vector3).clone().add(displacement));
@@ -91,8 +91,8 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       const start = placement.sockets[k] as Vector3;
       const moved = result.sockets_m[k] as [number, number];
       const delta: Point = [
-        exaggeration * (moved[0] * MM - socket[0]),
-        exaggeration * (moved[1] * MM - socket[1]),
+        exaggeration * (moved[0] * units - socket[0]),
+        exaggeration * (moved[1] * units - socket[1]),
       ];
       const paths = jointPaths(picture.model, socket, delta);
       const inBase = ([x, y]: Point) => start.clone().add(placement.toBase([x, y]));
@@ -119,19 +119,19 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
   if (shown.others) {
     for (const { model, answer } of pose.models) {
       if (!answer || model.virtualization === picture.model) continue;
-      const other = placementOf(answer.pose, answer.torsion_rad, sockets, pose.axis_height_m, exaggeration);
+      const other = placementOf(answer.pose, answer.torsion_rad, sockets, pose.axis_height_m, exaggeration, units);
       const own = models[model.virtualization] as string;
       for (const line of body.lines) annotations.path([...line, line[0] as Point].map(([x, y]) => new Vector3(x, y, 0).applyMatrix4(other.matrix)), 0.8, own, 7);
       const [x, y] = body.lines[0]![0] as Point;
       if (shown.labels) labels.push({ position: new Vector3(x, y, 0).applyMatrix4(other.matrix), text: model.virtualization, extent: 60, awayFrom: other.center, colour: legible(own, theme) });
     }
   }
-  const axis = new Vector3(0, 0, pose.axis_height_m * MM);
+  const axis = new Vector3(0, 0, pose.axis_height_m * units);
   if (shown.arrows) {
     for (const { model, answer } of pose.models) {
       if (!answer) continue;
       const [x, y] = answer.center_shift_m as [number, number];
-      const tip = axis.clone().add(new Vector3(x, y, 0).multiplyScalar(MM * exaggeration));
+      const tip = axis.clone().add(new Vector3(x, y, 0).multiplyScalar(units * exaggeration));
       const own = models[model.virtualization] as string;
       const strong = model.virtualization === picture.model;
       annotations.arrow(axis, tip, strong ? 1.7 : 1.2, own, strong ? 14 : 12);
@@ -160,10 +160,10 @@ export function legible(colour: string, theme: Theme): string {
   return darker[colour] ?? colour;
 }
 
-function placementOf({ origin_m, rotation }: PlacedDocument, torsion_rad: number, sockets: Point[], axis_height_m: number, exaggeration: number): PlatformPlacement {
+function placementOf({ origin_m, rotation }: PlacedDocument, torsion_rad: number, sockets: Point[], axis_height_m: number, exaggeration: number, units: number): PlatformPlacement {
   const [ex, ey, ez] = columns(rotation);
-  const axis = new Vector3(0, 0, axis_height_m * MM);
-  const center = new Vector3(...(origin_m as Triple)).multiplyScalar(MM).sub(axis).multiplyScalar(exaggeration).add(axis);
+  const axis = new Vector3(0, 0, axis_height_m * units);
+  const center = new Vector3(...(origin_m as Triple)).multiplyScalar(units).sub(axis).multiplyScalar(exaggeration).add(axis);
   const twist = new Quaternion().setFromAxisAngle(ez, (exaggeration - 1) * torsion_rad);
   for (const axis of [ex, ey]) axis.applyQuaternion(twist);
   const toBase = ([x, y]: Point) => new Vector3().addScaledVector(ex, x).addScaledVector(ey, y);

@@ -93,7 +93,8 @@ export abstract class SceneRenderer {
   protected theme: Theme = 'light';
   readonly #host: HTMLElement;
   readonly #events: RendererEvents;
-  readonly #options: SceneOptions;
+  /** Length of a unit of the scene [mm]. */
+  protected unit_mm: number;
   protected readonly stage: Stage;
   readonly #resolution: Resolution;
   readonly #occlusion: Occlusion;
@@ -112,7 +113,7 @@ export abstract class SceneRenderer {
 
   constructor(host: HTMLElement, options: SceneOptions, events: RendererEvents) {
     this.#host = host;
-    this.#options = options;
+    this.unit_mm = options.unit_mm;
     this.#events = events;
     this.camera = options.camera;
     installEnvironment();
@@ -489,7 +490,7 @@ export abstract class SceneRenderer {
     if (this.#drag) {
       const { freedom, start } = this.#drag;
       const moved = new Vector2(event.clientX, event.clientY).sub(start);
-      this.#events.drag(freedom, this.#handles.displacement(freedom, moved, this.camera, this.size, this.#options.unit_mm));
+      this.#events.drag(freedom, this.#handles.displacement(freedom, moved, this.camera, this.size, this.unit_mm));
       return;
     }
     if (event.buttons !== 0) return;

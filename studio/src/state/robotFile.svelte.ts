@@ -5,6 +5,7 @@ import { ApiError, ConnectionError, type DimensionChange, type OpenedRobotDocume
 import { connection } from '../api/connection.svelte';
 import { otherFile } from '../api/otherFile';
 import type { RobotWork } from '../lib/document';
+import { TextDrafts } from './textDrafts.svelte';
 
 /** Pause in typing after which a text is read [ms]. */
 const TYPING_PAUSE_MS = 350;
@@ -37,6 +38,7 @@ export class RobotFile {
   source = $state.raw<RobotSource | null>(null);
   notice = $state<string | null>(null);
   diskConflict = $state(false);
+  readonly drafts: TextDrafts = new TextDrafts('robot', () => (this.text === null || this.saved === null ? null : { name: this.name, text: this.text, saved: this.saved, ofServer: this.openedText === null }));
   #typing = $state(false);
   #reading = $state(false);
   changed = $derived(this.text !== this.saved);
@@ -124,6 +126,21 @@ export class RobotFile {
     void this.#events.committed();
   }
 
+  /** Restores the text of an earlier visit; undo returns to the previous one. */
+  async restoreDraft(): Promise<void> {
+    await this.start();
+    // Without a connection, the text remains offered.
+    if (this.text === null) return;
+    const draft = this.drafts.take();
+    if (!draft) return;
+    await this.#completeEdits();
+    // Another file may have the same name: only changes of the very text of the server are saved into its file.
+    const ofServer = draft.ofServer && this.openedText === null && this.name === draft.name && this.#server.saved === draft.saved;
+    this.#show({ name: draft.name, text: draft.text, parameters: ofServer ? this.parameters : {}, opened: ofServer ? null : draft.saved });
+    this.drafts.store();
+    void this.#events.committed();
+  }
+
   /** Adds edits in progress to the undo history. */
   async #completeEdits(): Promise<void> {
     if (this.#typing) this.#typed();
@@ -141,6 +158,7 @@ export class RobotFile {
   #typed(): void {
     clearTimeout(this.#timer);
     this.#typing = false;
+    this.drafts.store();
     this.#read();
     void this.#events.committed();
   }
@@ -195,6 +213,7 @@ export class RobotFile {
             void this.#events.committed();
           }
           this.text = opened.text;
+          this.drafts.store();
           this.opened = opened;
           this.notice = null;
           if (!opened.robot) continue;
@@ -228,6 +247,7 @@ export class RobotFile {
       this.#version = version;
       this.#server = { ...this.#server, saved: text };
       Object.assign(this, { diskConflict: false, notice: null });
+      this.drafts.store();
     } catch (error) {
       if (error instanceof ApiError && error.field === 'replaces') this.diskConflict = !(await this.#isOfOtherFile());
       else if (error instanceof ConnectionError) this.notice = 'The robot was not saved: the server does not respond. Save again after reconnection.';

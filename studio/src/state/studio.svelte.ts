@@ -24,6 +24,7 @@ import { withinTilt } from '../lib/limits';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
+import { sceneUnits } from '../scene/robotSize';
 import { Comparison, MOST_COMPARED } from './comparison.svelte';
 import { layout } from './layout.svelte';
 import { plotLayout } from './plotLayout.svelte';
@@ -107,6 +108,7 @@ export class Studio {
     // The URL of the event, not the current one: the page may have changed it in the meantime.
     window.addEventListener('hashchange', ({ newURL }) => this.#openLink(new URL(newURL).hash));
     connection.onReconnect(() => void this.#connect());
+    this.file.drafts.offer();
     await this.#connect();
   }
 
@@ -375,7 +377,7 @@ export class Studio {
     const answer = models.find(({ model }) => model.virtualization === this.document.model)?.answer;
     if (!answer || !this.robot) return;
     const displacements = this.robot.limbs.map(({ socket_m }, k) => Math.hypot(answer.sockets_m[k]![0]! - socket_m[0]!, answer.sockets_m[k]![1]! - socket_m[1]!));
-    const exaggeration = initialScale(Math.max(...displacements));
+    const exaggeration = initialScale(sceneUnits(this.robot.limbs) * Math.max(...displacements));
     if (exaggeration === this.document.exaggeration) return;
     // No step of its own: a robot that is being opened becomes a step with it.
     const isCommitted = JSON.stringify(this.#history.present) === JSON.stringify(this.document);

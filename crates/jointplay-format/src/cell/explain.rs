@@ -158,7 +158,7 @@ pub fn explain_stopped(cell: &Cell, stopped: &StopReason) -> Vec<String> {
         StopReason::Unreachable(Unreachable::Robot(error)) => vec![explain(error)],
         StopReason::Unreachable(other) => vec![explain_unreachable_pose(robot, other)],
         StopReason::Contact(pair) => {
-            let [one, other] = pair.map(|one| cell.entity_name(one));
+            let [one, other] = pair.map(|one| cell.entity_label(one));
             vec![format!("{one} and {other} would touch")]
         }
     }

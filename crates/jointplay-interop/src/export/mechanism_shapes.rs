@@ -29,11 +29,19 @@ impl MechanismShapes {
         let points = joint_points(mechanism);
         let size = size(&points, poses);
         let points = drawn_points(mechanism, points, size);
-        Self {
-            size,
-            bar_radius: BAR * size,
-            joint_radius: JOINT * size,
-            bars: points.iter().map(|points| bars(points, JOINT * size)).collect(),
-        }
+        let bars: Vec<_> = points.iter().map(|points| bars(points, JOINT * size)).collect();
+        // Joints of many short links would cover them.
+        let thickness = size.min(LARGEST_JOINT / JOINT * median_length(&bars));
+        Self { size, bar_radius: BAR * thickness, joint_radius: JOINT * thickness, bars }
     }
+}
+
+/// Largest radius of a joint, in median lengths of bars.
+const LARGEST_JOINT: f64 = 0.13;
+
+/// Median length of the bars (m); infinite without bars.
+fn median_length(bars: &[Vec<[Vector3<f64>; 2]>]) -> f64 {
+    let mut lengths: Vec<f64> = bars.iter().flatten().map(|[from, to]| (to - from).norm()).collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths.get(lengths.len() / 2).copied().unwrap_or(f64::INFINITY)
 }

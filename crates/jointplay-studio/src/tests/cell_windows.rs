@@ -40,6 +40,13 @@ fn violations_name_their_entities_with_kinds() {
     for found in [&groups, &listed] {
         assert!(found.contains(&wall) && !found.contains(&zone), "{found:?}");
     }
+    // Texts have the kind of entities whose name is not unique, and of no others.
+    let report = &found["report"];
+    let messages = report["violations"].as_array().unwrap().iter().map(|one| one["message"].to_string());
+    assert!(messages.clone().any(|one| one.contains("blade-A and body wall collide")), "{report}");
+    let nearest: Vec<String> =
+        report["nearest"].as_array().unwrap().iter().map(|one| one["bodies"].to_string()).collect();
+    assert!(nearest.contains(&r#"["blade-A","body wall"]"#.to_owned()), "{nearest:?}");
 }
 
 /// A program that transfers a wafer forth and back `count` times.

@@ -1,6 +1,6 @@
 //! Responses are compressed for clients that accept gzip, and their contents stay the same.
 
-use std::io::Read as _;
+use std::io::{Read as _, Write as _};
 
 use axum::body::Body;
 use axum::http::{Request, header};
@@ -49,4 +49,26 @@ fn other_responses_are_not_compressed() {
     let head = Request::builder().method("HEAD").uri("/api/v1/openapi.json");
     let head = head.header(header::HOST, HOST).header(header::ACCEPT_ENCODING, "gzip");
     assert_eq!(send(head.body(Body::empty()).unwrap()).header("content-encoding"), "");
+}
+
+#[test]
+fn files_of_the_page_that_the_browser_keeps_are_compressed_well() {
+    let index = String::from_utf8(get("/", None).bytes).unwrap();
+    let assets: Vec<&str> = index.split("./").skip(1).filter(|one| one.starts_with("assets/")).collect();
+    let names = assets.iter().map(|one| one.split('"').next().unwrap());
+    let mut count = 0;
+    for name in names {
+        let path = format!("/{name}");
+        let [plain, compressed] = [None, Some("gzip")].map(|accepted| get(&path, accepted));
+        if plain.bytes.len() < 1_024 {
+            continue;
+        }
+        count += 1;
+        assert_eq!(compressed.header("content-encoding"), "gzip", "{path}");
+        assert_eq!(unpacked(&compressed.bytes), plain.bytes, "{path}");
+        let mut fast = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        fast.write_all(&plain.bytes).unwrap();
+        assert!(compressed.bytes.len() < fast.finish().unwrap().len(), "{path}");
+    }
+    assert!(count > 0, "{index}");
 }

@@ -83,6 +83,30 @@ fn an_opened_mechanism_has_its_joints_limits_and_parameters() {
 }
 
 #[test]
+fn joints_of_many_short_links_do_not_cover_them() {
+    use std::fmt::Write;
+    // A row of parallelograms: cranks and couplers of 100 mm along 5 m.
+    let mut text = String::from("kind = \"mechanism\"\nname = \"row\"\nunits = { length = \"mm\", angle = \"deg\" }\nbase = \"rail\"\n");
+    let mut joint = |name: String, links: [String; 2], point: [i32; 2]| {
+        write!(text, "[[joint]]\nname = \"{name}\"\nkind = \"revolute\"\nlinks = {links:?}\npoint = [{}, {}, 0]\naxis = [0, 0, 1]\n", point[0], point[1]).unwrap();
+    };
+    for k in 0..=50 {
+        joint(format!("foot {k}"), ["rail".to_owned(), format!("crank {k}")], [100 * k, 0]);
+    }
+    for k in 0..50 {
+        for end in [k, k + 1] {
+            let links = [format!("coupler {k}"), format!("crank {end}")];
+            joint(format!("pin {k} {end}"), links, [100 * end, 100]);
+        }
+    }
+    let opened = &open(&text)["mechanism"];
+    let radius = opened["joint_radius_m"].as_f64().unwrap();
+    assert!(opened["size_m"].as_f64().unwrap() > 2.0, "{opened}");
+    // The joints at both ends of a link leave half of it free.
+    assert!((0.005..0.025).contains(&radius), "{radius}");
+}
+
+#[test]
 fn a_crank_is_driven_by_expressions_to_where_trigonometry_places_its_slider() {
     let start = open(CRANK)["mechanism"]["configuration"]["coordinates"].clone();
     let moved = drive(CRANK, &start, &json!({ "A": "180/3 deg" }));
