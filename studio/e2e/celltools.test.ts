@@ -150,6 +150,8 @@ test('the play of the platform is shown at each time, enlarged in the picture on
   await page.getByTestId('cell-play-scale').fill('0');
 });
 
+const stationLabels = () => page.evaluate(() => [...window.jointplay.probe.cell!.labels()].sort().join());
+
 test('parts are hidden, isolated and followed, the path of a wafer is drawn', async () => {
   await choose('Bodies', 'wall');
   await page.getByTestId('part-hide').click();
@@ -158,6 +160,8 @@ test('parts are hidden, isolated and followed, the path of a wafer is drawn', as
   await until('the wall is shown', async () => (await shown()).includes('wall'));
   await page.getByTestId('part-isolate').click();
   await until('only the wall is shown', async () => (await shown()).join() === 'wall');
+  await until('hidden stations have no labels', async () => (await stationLabels()) === '');
+  await until('there is no line between hidden parts', async () => (await page.evaluate(() => window.jointplay.probe.cell!.nearest())).length === 0);
   await page.locator('.scene canvas').first().focus();
   await page.keyboard.press('i');
   await until('all is shown', async () => (await shown()).length > 10);
@@ -197,6 +201,10 @@ test('distances are measured between two clicked points, and a section plane cut
   await page.getByTestId('section').selectOption('z');
   await page.getByTestId('section-at').fill('0.55');
   await until('the cut is drawn', async () => (await frames()) > before);
+  // The carriers are at x = -495 mm, aligner and process station at x > 0.
+  await page.getByTestId('section').selectOption('x');
+  await page.getByTestId('section-at').fill('0');
+  await until('stations that are cut away have no labels', async () => (await stationLabels()) === 'LP1,LP2');
   expect(await accessibilityViolations(page)).toEqual([]);
   await page.getByTestId('section').selectOption('');
 });

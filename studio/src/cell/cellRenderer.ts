@@ -82,6 +82,8 @@ export class CellRenderer extends SceneRenderer {
   #measured: Vector3[] = [];
   #measuredText = '';
   #hidden: ReadonlySet<string> = new Set();
+  /** Names of stations without a shown part: they have no labels. */
+  readonly #hiddenStations = new Set<string>();
   #followed: Part | null = null;
   #followedAt: Vector3 | null = null;
   #loads = 0;
@@ -359,12 +361,19 @@ export class CellRenderer extends SceneRenderer {
     this.#eye.updateProjectionMatrix();
   }
 
+  /** Texts of the labels of stations in the view. */
+  stationLabels: readonly string[] = [];
+
   protected update(): Overlay | null {
     if (!this.#cell) return null;
     this.#scaleHandles();
     this.#seeThroughWalls();
-    const labels: Label[] = this.#stations.map(({ name, position }) => ({ position: this.#labelPosition(name, position), text: name, strong: true, stays: true, extent: 0.3 }));
+    const planes = this.renderer.clippingPlanes as Plane[];
+    const isShown = ({ name, position }: { name: string; position: Vector3 }) => !this.#hiddenStations.has(name) && planes.every((plane) => plane.distanceToPoint(position) >= 0);
+    const stations = this.#stations.map(({ name, position }) => ({ name, position: this.#labelPosition(name, position) })).filter(isShown);
+    const labels: Label[] = stations.map(({ name, position }) => ({ position, text: name, strong: true, stays: true, extent: 0.3 }));
     const [from, to] = this.#measured;
+    this.stationLabels = labels.map(({ text }) => text);
     if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true, stays: true });
     if (this.#nearestLabel) labels.unshift(this.#nearestLabel);
     return { labels, avoided: this.#nearestLabel ? this.#robotPoints() : [], covered: { left: 8, right: 8 }, occupied: [this.cornerBox(72)] };
@@ -413,11 +422,17 @@ export class CellRenderer extends SceneRenderer {
   /** Hides parts by their keys. */
   hide(hidden: ReadonlySet<string>): void {
     this.#hidden = hidden;
+    const shown = new Set<string>();
+    this.#hiddenStations.clear();
     // The layer also hides the part from the pointer.
     for (const mesh of this.#materials.keys()) {
       const part = this.#shows.get(mesh);
-      mesh.layers.set(part && hidden.has(partKey(part)) ? HIDDEN_LAYER : 0);
+      const isHidden = part !== undefined && hidden.has(partKey(part));
+      mesh.layers.set(isHidden ? HIDDEN_LAYER : 0);
+      if (part?.kind === 'station' || part?.kind === 'slot') (isHidden ? this.#hiddenStations : shown).add(part.name);
     }
+    // A station with one shown slot has its label.
+    for (const name of shown) this.#hiddenStations.delete(name);
     this.partsMoved();
   }
 

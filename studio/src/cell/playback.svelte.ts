@@ -1,10 +1,10 @@
 // The current time of the motion of a cell: playing, seeking, and the time range of chart and plots.
 
+import { playbackTime } from '../lib/playbackTime';
+
 /** Minimum duration of the time range of chart and plots [s]. */
 export const MIN_RANGE_S = 0.05;
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
-/** Longest time between two pictures that playback advances by [ms]: a hidden page has no pictures. */
-const LONGEST_STEP_MS = 250;
 
 /** The part of the session that playback depends on. */
 export interface PlaybackContext {
@@ -93,7 +93,7 @@ export class Playback {
 
   #tick(now: number): void {
     const { duration, timeline } = this.#context;
-    const passed = Math.min(Math.max(now - this.#last, 0), LONGEST_STEP_MS) / 1000;
+    const passed = playbackTime(this.#last, now, this.#once !== null);
     this.#last = now;
     let to = this.time + passed * this.speed;
     const end = this.range?.[1] ?? duration;

@@ -1,5 +1,6 @@
 // Playback of a motion: the current sample, speed and loop.
 
+import { playbackTime } from '../lib/playbackTime';
 import type { ApiCommand } from '../api/client';
 import type { Study } from './study.svelte';
 
@@ -88,7 +89,7 @@ export class Player {
   }
 
   #tick(now: number): void {
-    const passed = Math.min(Math.max(now - this.#last, 0), 250) / 1000;
+    const passed = playbackTime(this.#last, now, this.#ended !== null);
     this.#last = now;
     const rate = this.#study.rate ?? SAMPLES_PER_SECOND;
     this.#position += passed * this.speed * rate;

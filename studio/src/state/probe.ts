@@ -21,6 +21,8 @@ export interface CellProbe {
   violating: () => string[];
   /** End points of the line of the minimum distance [m]; empty without a line. */
   nearest: () => number[];
+  /** Stations with labels. */
+  labels: () => readonly string[];
   /** Color of these parts, as hexadecimal digits. */
   violationColor: () => string;
 }
