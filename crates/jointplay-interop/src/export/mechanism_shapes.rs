@@ -41,7 +41,8 @@ const LARGEST_JOINT: f64 = 0.13;
 
 /// Median length of the bars (m); infinite without bars.
 fn median_length(bars: &[Vec<[Vector3<f64>; 2]>]) -> f64 {
-    let mut lengths: Vec<f64> = bars.iter().flatten().map(|[from, to]| (to - from).norm()).collect();
+    let mut lengths: Vec<f64> =
+        bars.iter().flatten().map(|[from, to]| (to - from).norm()).collect();
     lengths.sort_by(f64::total_cmp);
     lengths.get(lengths.len() / 2).copied().unwrap_or(f64::INFINITY)
 }

@@ -42,7 +42,8 @@ fn violations_name_their_entities_with_kinds() {
     }
     // Texts have the kind of entities whose name is not unique, and of no others.
     let report = &found["report"];
-    let messages = report["violations"].as_array().unwrap().iter().map(|one| one["message"].to_string());
+    let messages =
+        report["violations"].as_array().unwrap().iter().map(|one| one["message"].to_string());
     assert!(messages.clone().any(|one| one.contains("blade-A and body wall collide")), "{report}");
     let nearest: Vec<String> =
         report["nearest"].as_array().unwrap().iter().map(|one| one["bodies"].to_string()).collect();

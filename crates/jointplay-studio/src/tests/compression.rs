@@ -54,7 +54,8 @@ fn other_responses_are_not_compressed() {
 #[test]
 fn files_of_the_page_that_the_browser_keeps_are_compressed_well() {
     let index = String::from_utf8(get("/", None).bytes).unwrap();
-    let assets: Vec<&str> = index.split("./").skip(1).filter(|one| one.starts_with("assets/")).collect();
+    let assets: Vec<&str> =
+        index.split("./").skip(1).filter(|one| one.starts_with("assets/")).collect();
     let names = assets.iter().map(|one| one.split('"').next().unwrap());
     let mut count = 0;
     for name in names {

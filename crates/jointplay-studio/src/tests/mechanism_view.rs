@@ -86,7 +86,9 @@ fn an_opened_mechanism_has_its_joints_limits_and_parameters() {
 fn joints_of_many_short_links_do_not_cover_them() {
     use std::fmt::Write;
     // A row of parallelograms: cranks and couplers of 100 mm along 5 m.
-    let mut text = String::from("kind = \"mechanism\"\nname = \"row\"\nunits = { length = \"mm\", angle = \"deg\" }\nbase = \"rail\"\n");
+    let mut text = String::from(
+        "kind = \"mechanism\"\nname = \"row\"\nunits = { length = \"mm\", angle = \"deg\" }\nbase = \"rail\"\n",
+    );
     let mut joint = |name: String, links: [String; 2], point: [i32; 2]| {
         write!(text, "[[joint]]\nname = \"{name}\"\nkind = \"revolute\"\nlinks = {links:?}\npoint = [{}, {}, 0]\naxis = [0, 0, 1]\n", point[0], point[1]).unwrap();
     };
