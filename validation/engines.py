@@ -38,7 +38,7 @@ from pathlib import Path
 STUDY = """kind = "study"
 name = "engines"
 virtualizations = ["planar", "polar"]
-samples = 1_600_000
+samples = 4_800_000
 seed = 5
 quantities = ["tilt_error_urad", "origin_x_um", "q1_mm"]
 
@@ -46,7 +46,7 @@ quantities = ["tilt_error_urad", "origin_x_um", "q1_mm"]
 tilt_x_deg = { normal = [0, 0.5] }
 tilt_y_deg = { uniform = [-1, 1] }
 """
-"""25 parts."""
+"""74 parts."""
 
 EVERYTHING = """kind = "study"
 virtualizations = ["planar", "polar", "radial", "offset"]
@@ -88,7 +88,7 @@ def until(condition, seconds: float, what: str) -> None:
     while not condition():
         if time.monotonic() > end:
             sys.exit(f"after {seconds:.0f} s: {what}")
-        time.sleep(0.1)
+        time.sleep(0.02)
 
 
 class Daemons:
@@ -182,11 +182,9 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         job = ask(*submitted)
         if not job.isdigit():
             sys.exit(f"sbatch printed {job!r}")
-        # A task killed in the middle, which Slurm starts again.
-        killed = f"{job}_3"
-        until(lambda: ask("squeue", "-h", "-t", "R", "-j", killed) != "", 60, "task 3 did not start")
-        time.sleep(0.3)
-        ask("scancel", "--signal=KILL", "--batch", killed)
+        # A task killed after its first part, and submitted again.
+        until((folder / "run" / "part-000003.json").exists, 60, "task 3 did not start")
+        ask("scancel", "--signal=KILL", "--batch", f"{job}_3")
         until(lambda: ask("squeue", "-h", "-j", job) == "", 300, "the job has not ended")
         status = subprocess.run(
             [command, "study", "--parts", folder / "run", "--status", "--format", "json"],
@@ -196,6 +194,8 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         )
         left = json.loads(status.stdout)["missing"]
         print(f"slurm: {left} parts are missing after task 3 was killed; it runs again", flush=True)
+        if left == 0:
+            sys.exit("task 3 was not killed in the middle")
         job = ask("sbatch", "--parsable", "--array=3", "--output", place / "again-%a.log", "--wrap", task)
         until(lambda: ask("squeue", "-h", "-j", job) == "", 300, "the job has not ended")
     table = folder / "slurm.parquet"
