@@ -1,24 +1,26 @@
 """The same study on several engines: every one gives the bytes of a run on one machine.
 
-    python3 validation/engines.py path/to/jointplay [--only slurm,s3,ray,processors,kubernetes]
+    python3 validation/engines.py path/to/jointplay [--only slurm,chain,s3,ray,processors,kubernetes]
 
 For developers who change studies in parts; too slow, and with too many packages, for `cargo xtask test`, which runs Dask and processes.
 It prints one line for each engine, with the SHA-256 of the gathered table and the time, and fails if one differs.
 
 `slurm`      an array of eight tasks on a Slurm of this machine: Debian's slurmctld, slurmd, slurm-client and munge, as root
+`chain`      begun on Dask, killed with all its processes, resumed on Slurm, and gathered from a copy of the folder: package distributed
 `s3`         processes that write to an object store by s3fs: packages fsspec, s3fs and moto[server]
 `ray`        tasks of Ray: package ray
 `processors` the command on processors without AVX and with AVX2, emulated by qemu-x86_64, and on aarch64
              by qemu-aarch64 if `JOINTPLAY_AARCH64` names a command for it
 `kubernetes` the manifest of the documentation by its schema: package kubernetes-validate
 
-`s3` and `ray` need the Python package jointplay, of the same version as the command.
+`chain`, `s3` and `ray` need the Python package jointplay, of the same version as the command.
 """
 
 from __future__ import annotations
 
 import argparse
 import concurrent.futures
+import contextlib
 import hashlib
 import json
 import multiprocessing
@@ -33,12 +35,13 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 STUDY = """kind = "study"
 name = "engines"
 virtualizations = ["planar", "polar"]
-samples = 1_600_000
+samples = 4_800_000
 seed = 5
 quantities = ["tilt_error_urad", "origin_x_um", "q1_mm"]
 
@@ -46,7 +49,7 @@ quantities = ["tilt_error_urad", "origin_x_um", "q1_mm"]
 tilt_x_deg = { normal = [0, 0.5] }
 tilt_y_deg = { uniform = [-1, 1] }
 """
-"""25 parts."""
+"""74 parts."""
 
 EVERYTHING = """kind = "study"
 virtualizations = ["planar", "polar", "radial", "offset"]
@@ -88,7 +91,7 @@ def until(condition, seconds: float, what: str) -> None:
     while not condition():
         if time.monotonic() > end:
             sys.exit(f"after {seconds:.0f} s: {what}")
-        time.sleep(0.1)
+        time.sleep(0.02)
 
 
 class Daemons:
@@ -121,12 +124,12 @@ def free_port() -> int:
         return int(listener.getsockname()[1])
 
 
-def slurm(command: Path, study: Path, folder: Path) -> Path:
-    """An array job on a Slurm of this machine alone."""
+@contextlib.contextmanager
+def slurm_at(place: Path) -> Iterator[Callable[..., str]]:
+    """A Slurm of this machine alone with its files in a new folder; a function that runs its commands."""
     munge = pwd.getpwnam("munge")
-    place = folder / "slurm"
     place.mkdir()
-    os.chmod(folder, 0o755)
+    os.chmod(place.parent, 0o755)
     secret = place / "munge"
     secret.mkdir(mode=0o755)
     (secret / "key").write_bytes(secrets.token_bytes(1024))
@@ -177,16 +180,21 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
             return done.stdout.strip()
 
         until(lambda: ask("sinfo", "-h", "-o", "%T").startswith("idle"), 60, "the node is not idle")
+        yield ask
+
+
+def slurm(command: Path, study: Path, folder: Path) -> Path:
+    """An array job, one task of which is killed."""
+    place = folder / "slurm"
+    with slurm_at(place) as ask:
         task = f"{command} study {study} --parts {folder}/run --part $SLURM_ARRAY_TASK_ID/8 --threads 1"
         submitted = ["sbatch", "--parsable", "--array=0-7", "--output", place / "task-%a.log", "--wrap", task]
         job = ask(*submitted)
         if not job.isdigit():
             sys.exit(f"sbatch printed {job!r}")
-        # A task killed in the middle, which Slurm starts again.
-        killed = f"{job}_3"
-        until(lambda: ask("squeue", "-h", "-t", "R", "-j", killed) != "", 60, "task 3 did not start")
-        time.sleep(0.3)
-        ask("scancel", "--signal=KILL", "--batch", killed)
+        # A task killed after its first part, and submitted again.
+        until((folder / "run" / "part-000003.json").exists, 60, "task 3 did not start")
+        ask("scancel", "--signal=KILL", "--batch", f"{job}_3")
         until(lambda: ask("squeue", "-h", "-j", job) == "", 300, "the job has not ended")
         status = subprocess.run(
             [command, "study", "--parts", folder / "run", "--status", "--format", "json"],
@@ -196,10 +204,52 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         )
         left = json.loads(status.stdout)["missing"]
         print(f"slurm: {left} parts are missing after task 3 was killed; it runs again", flush=True)
+        if left == 0:
+            sys.exit("task 3 was not killed in the middle")
         job = ask("sbatch", "--parsable", "--array=3", "--output", place / "again-%a.log", "--wrap", task)
         until(lambda: ask("squeue", "-h", "-j", job) == "", 300, "the job has not ended")
     table = folder / "slurm.parquet"
     run(command, "study", "--parts", folder / "run", "--gather", table)
+    return table
+
+
+DASK = """import sys
+
+import jointplay as jp
+from distributed import Client, LocalCluster
+
+if __name__ == "__main__":
+    parts = jp.study.Plan.from_file(sys.argv[1]).parts(sys.argv[2])
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        client.gather(client.map(parts.write, parts.missing(), pure=False))
+"""
+
+
+def chain(command: Path, study: Path, folder: Path) -> Path:
+    """Begun on Dask, killed, resumed on Slurm, gathered from a copy."""
+    parts, script = folder / "chain", folder / "begin.py"
+    script.write_text(DASK)
+    with open(folder / "dask.log", "wb") as log:
+        dask = subprocess.Popen([sys.executable, script, study, parts], stdout=log, stderr=log, start_new_session=True)
+    try:
+        until(lambda: len(list(parts.glob("part-*.json"))) >= 5, 120, "Dask has not written five parts")
+    finally:
+        os.killpg(dask.pid, signal.SIGKILL)
+        dask.wait()
+    finished = len(list(parts.glob("part-*.json")))
+    print(f"chain: {finished} parts are finished after Dask was killed; Slurm continues", flush=True)
+    place = folder / "slurm-of-chain"
+    with slurm_at(place) as ask:
+        task = f"{command} study --parts {parts} --part $SLURM_ARRAY_TASK_ID/4 --threads 1"
+        job = ask("sbatch", "--parsable", "--array=0-3", "--output", place / "task-%a.log", "--wrap", task)
+        until(lambda: ask("squeue", "-h", "-j", job) == "", 300, "the job has not ended")
+        logs = "".join(log.read_text() for log in sorted(place.glob("task-*.log")))
+    found = sum(int(number) for number in re.findall(r"found (\d+)", logs))
+    if not 0 < found == finished:
+        sys.exit(f"Slurm found {found} of {finished} finished parts:\n{logs}")
+    elsewhere, table = folder / "elsewhere", folder / "chain.parquet"
+    shutil.copytree(parts, elsewhere)
+    run(command, "study", "--parts", elsewhere, "--gather", table)
     return table
 
 
@@ -301,7 +351,7 @@ def kubernetes() -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("command", type=Path)
-    parser.add_argument("--only", default="slurm,s3,ray,processors,kubernetes")
+    parser.add_argument("--only", default="slurm,chain,s3,ray,processors,kubernetes")
     chosen = parser.parse_args()
     command = chosen.command.resolve()
     wanted = chosen.only.split(",")
@@ -315,7 +365,7 @@ def main() -> None:
         run(command, "study", study, "--out", whole)
         expected = digest(whole)
         print(f"{'one process':12} {expected} {time.monotonic() - start:6.1f} s", flush=True)
-        for engine in (slurm, s3, ray):
+        for engine in (slurm, chain, s3, ray):
             if engine.__name__ not in wanted:
                 continue
             start = time.monotonic()

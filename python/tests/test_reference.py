@@ -29,7 +29,7 @@ def documentation(of: Any) -> Iterator[str]:
     text = inspect.getdoc(of)
     # What Python writes where a class or a dataclass has none.
     if text and not re.match(r"\w+\([^)]*\)$", text, re.DOTALL):
-        yield f"```text\n{text.strip()}\n```\n"
+        yield f"```text,wrap\n{text.strip()}\n```\n"
 
 
 def signature(name: str, of: Any) -> str:

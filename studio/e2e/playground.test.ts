@@ -142,3 +142,21 @@ test('the gallery plays recorded motions, and the references are pages of the bo
   expect(errors).toEqual([]);
   await page.context().close();
 });
+
+for (const [path, width] of [['index', 1440], ['how-to/run-a-study-on-a-cluster', 390], ['reference/python-types', 1440], ['reference/http-types', 1440], ['404', 720]] as const)
+  test(`the page ${path} of the book is accessible, and its table of contents opens by keys, at ${width} px`, async () => {
+    const page = await visit(browser, { viewport: { width, height: 800 } });
+    await page.goto(`${address}/docs/${path}.html`);
+    expect(await accessibilityViolations(page)).toEqual([]);
+    const toggle = page.locator('#mdbook-sidebar-toggle');
+    const before = await toggle.getAttribute('aria-expanded');
+    for (const key of ['Enter', 'Space']) {
+      const is = await toggle.getAttribute('aria-expanded');
+      await toggle.focus();
+      await page.keyboard.press(key);
+      expect(await toggle.getAttribute('aria-expanded')).not.toBe(is);
+      expect(await page.locator('#mdbook-sidebar').getAttribute('aria-hidden')).toBe(is);
+    }
+    expect(await toggle.getAttribute('aria-expanded')).toBe(before);
+    await page.context().close();
+  });

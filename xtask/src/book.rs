@@ -5,6 +5,7 @@
 //! makes links to files of the repository lead to copies in the book, and writes the reference of the HTTP interface.
 //! The documentation of the library is next to the chapters, as rustdoc writes it.
 
+mod accessible;
 mod chapters;
 mod http;
 mod links;
@@ -33,7 +34,8 @@ pub(crate) fn run(root: &Path) -> bool {
         return false;
     }
     let book = root.join(BOOK);
-    match add_rust(root, &book)
+    match accessible::change(&book)
+        .and_then(|()| add_rust(root, &book))
         .and_then(|()| links::files(&book))
         .and_then(|files| copy(&files, root, &book))
         .and_then(|()| links::dead(&book))
@@ -44,7 +46,7 @@ pub(crate) fn run(root: &Path) -> bool {
             dead.is_empty()
         }
         Err(error) => {
-            eprintln!("book: cannot read {BOOK}: {error}");
+            eprintln!("book: {BOOK}: {error}");
             false
         }
     }

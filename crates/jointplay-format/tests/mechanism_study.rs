@@ -202,6 +202,50 @@ fn errors_are_distances_from_the_design() {
     }
 }
 
+/// Two bars; the axis of the first is inclined by a tolerance.
+const INCLINED: &str = r#"kind = "mechanism"
+name = "inclined"
+units = { length = "mm", angle = "deg" }
+base = "frame"
+[parameters]
+skew = 0
+[[joint]]
+name = "A"
+kind = "revolute"
+links = ["frame", "arm"]
+frames = [{ point = [0, 0, 0], axis = ["sin(skew)", 0, "cos(skew)"] }, { point = [0, 0, 0], axis = [0, 0, 1] }]
+actuated = true
+[[frame]]
+name = "tool"
+link = "arm"
+point = [200, 0, 0]
+"#;
+
+/// The tool is displaced by the length of the arm times the inclination, not turned about the axis by a joint frame that jumps.
+#[test]
+fn an_inclined_axis_displaces_the_tool_by_its_inclination() {
+    let text = r#"kind = "study"
+mechanism = "own.toml"
+quantities = ["tool_x_mm", "tool_y_mm", "tool_z_mm", "tool_position_error_um"]
+[parameters]
+skew = [-0.5, -1e-9, 0, 1e-9, 0.5]
+[drives]
+A = 0
+"#;
+    let study = parse(text, &mut |_| Ok(INCLINED.as_bytes().to_vec()))
+        .unwrap_or_else(|error| panic!("{error}"));
+    let block = computed(&study);
+    for (i, skew) in [-0.5, -1e-9, 0.0, 1e-9, 0.5_f64].into_iter().enumerate() {
+        let of = |name| column(&study, &block, name)[i];
+        let skew = skew.to_radians();
+        assert!((of("tool_x_mm") - 0.2 * skew.cos()).abs() < 1e-15, "{}", of("tool_x_mm"));
+        assert!(of("tool_y_mm").abs() < 1e-15, "{}", of("tool_y_mm"));
+        assert!((of("tool_z_mm") + 0.2 * skew.sin()).abs() < 1e-15, "{}", of("tool_z_mm"));
+        let chord = 0.4 * (skew / 2.0).abs().sin();
+        assert!((of("tool_position_error_um") - chord).abs() < 1e-15);
+    }
+}
+
 fn statuses(block: &Block) -> Vec<&'static str> {
     block.outcomes[0].iter().map(|outcome| outcome.name()).collect()
 }

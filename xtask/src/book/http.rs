@@ -96,7 +96,7 @@ fn type_of(out: &mut String, schema: &Value) {
     for part in included.filter(|part| part["$ref"].is_string()) {
         let _ = writeln!(out, "\nIt has the fields of {}.", shape(part));
     }
-    out.push_str("\n| field | type | |\n| --- | --- | --- |\n");
+    out.push_str("\n| field | type | description |\n| --- | --- | --- |\n");
     for (name, field, required) in fields {
         let note = field["description"].as_str().map(cell).unwrap_or_default();
         let optional = if required { "" } else { ", optional" };

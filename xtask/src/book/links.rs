@@ -57,7 +57,7 @@ pub(super) fn dead(book: &Path) -> io::Result<Vec<String>> {
 }
 
 /// Every HTML page in a folder and in all folders in it, but not those that are copies of files or by rustdoc.
-fn pages(book: &Path) -> io::Result<Vec<(PathBuf, String)>> {
+pub(super) fn pages(book: &Path) -> io::Result<Vec<(PathBuf, String)>> {
     let mut found = Vec::new();
     let mut folders = vec![book.canonicalize()?];
     while let Some(folder) = folders.pop() {

@@ -57,18 +57,27 @@ pub(super) fn publish(folders: &Folders, steps: &[&str]) -> io::Result<()> {
     }
     fs::create_dir_all(&folders.out)?;
     let mut sums = String::new();
-    println!("\n{:<64} {:>12}  destination", "file", "bytes");
+    println!("\n{:>12}  {:<64}  {:<20}  file", "bytes", "SHA-256", "destination");
+    let print = |name: &str, bytes: &[u8], destination: Destination| {
+        let sum = hexadecimal(&Sha256::digest(bytes));
+        println!("{:>12}  {sum}  {:<20}  {name}", bytes.len(), destination.name());
+    };
     for file in &files {
         let (bytes, name) = (fs::read(file)?, file_name(file));
         let destination = Destination::of(&name);
         if destination == Destination::ReleasePage {
             sums += &format!("{}  {name}\n", hexadecimal(&Sha256::digest(&bytes)));
         }
-        println!("{name:<64} {:>12}  {}", bytes.len(), destination.name());
+        print(&name, &bytes, destination);
         fs::write(folders.out.join(name), bytes)?;
     }
-    println!("{CHECKSUMS:<64} {:>12}  {}", sums.len(), Destination::ReleasePage.name());
+    print(CHECKSUMS, sums.as_bytes(), Destination::ReleasePage);
     fs::write(folders.out.join(CHECKSUMS), sums)?;
+    for step in steps {
+        for what in folders.absent(step) {
+            println!("not made on this machine: {what}");
+        }
+    }
     if !unfinished.is_empty() {
         println!("\nrelease: not complete; steps without results: {}", unfinished.join(", "));
     }

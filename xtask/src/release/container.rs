@@ -31,7 +31,10 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
         info.status().is_ok_and(|status| status.success())
     };
     let Some(builder) = BUILDERS.iter().find(works) else {
-        println!("release: no builder of images works here; the command is run in an empty root");
+        folders.report_absent(&format!(
+            "no container image: none of {} works here; the command was run in an empty root",
+            BUILDERS.join(", ")
+        ))?;
         return in_empty_root(folders);
     };
     let image = format!("jointplay:{VERSION}");

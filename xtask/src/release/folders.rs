@@ -1,6 +1,8 @@
 //! Folders of a release, and the circumstances that decide its bytes.
 
 use std::ffi::{OsStr, OsString};
+use std::fs::OpenOptions;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs, io};
@@ -15,6 +17,9 @@ pub(super) const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 
 /// Name of the file that a finished step leaves in the folder of its results: the commit they are made of.
 const COMMIT: &str = ".commit";
+
+/// Name of the file in the folder of results that lists what this machine could not make.
+const ABSENT: &str = ".absent";
 
 /// Folders, commit and time of a release.
 #[derive(Clone)]
@@ -84,6 +89,30 @@ impl Folders {
         commit.is_ok_and(|commit| commit == self.commit)
     }
 
+    /// Refuses if a step did not finish for this commit.
+    pub(super) fn require(&self, step: &str) -> io::Result<()> {
+        if self.is_finished(step) {
+            return Ok(());
+        }
+        let message = format!(
+            "the step {step} has no results of this commit; run `cargo xtask release --dry-run {step}` first"
+        );
+        Err(io::Error::other(message))
+    }
+
+    /// Prints and records what this step cannot make on this machine, with the reason.
+    pub(super) fn report_absent(&self, what: &str) -> io::Result<()> {
+        println!("release: {what}");
+        let file = OpenOptions::new().create(true).append(true).open(self.out.join(ABSENT));
+        writeln!(file?, "{what}")
+    }
+
+    /// What a finished step could not make on this machine.
+    pub(super) fn absent(&self, step: &str) -> Vec<String> {
+        let text = fs::read_to_string(self.results(step).join(ABSENT)).unwrap_or_default();
+        text.lines().map(str::to_owned).collect()
+    }
+
     /// The files of a step; none if it did not finish for this commit.
     pub(super) fn finished(&self, step: &str) -> io::Result<Vec<PathBuf>> {
         let folder = self.results(step);
@@ -92,7 +121,7 @@ impl Folders {
         }
         let files = folder.read_dir()?.map(|entry| Ok(entry?.path()));
         let mut files: Vec<PathBuf> = files.collect::<io::Result<_>>()?;
-        files.retain(|file| file.file_name().is_some_and(|name| name != COMMIT));
+        files.retain(|file| file.file_name().is_some_and(|name| name != COMMIT && name != ABSENT));
         files.sort();
         Ok(files)
     }

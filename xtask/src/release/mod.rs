@@ -42,32 +42,34 @@ use crate::{package, process};
 
 /// All steps, in order: later ones use the files of earlier ones.
 static STEPS: [Step; 7] = [
-    Step { name: "source", run: source::build },
-    Step { name: "notices", run: write_notices },
-    Step { name: "crates", run: package_crates },
-    Step { name: "command", run: program::build },
-    Step { name: "debian", run: debian::build },
-    Step { name: "container", run: container::build },
-    Step { name: "wheels", run: wheels::build },
+    Step { name: "source", needs: &[], run: source::build },
+    Step { name: "notices", needs: &[], run: write_notices },
+    Step { name: "crates", needs: &[], run: package_crates },
+    Step { name: "command", needs: &["notices"], run: program::build },
+    Step { name: "debian", needs: &["notices", "command"], run: debian::build },
+    Step { name: "container", needs: &["command"], run: container::build },
+    Step { name: "wheels", needs: &["source", "notices"], run: wheels::build },
 ];
 
 /// Runs the named steps, or all, for the workspace at `root`, and lists all that would be uploaded; true if each passed.
+///
+/// A step that fails does not stop those that do not need it.
 pub(crate) fn dry_run(chosen: &[&str], root: &Path) -> bool {
     reported(|| {
         let (folders, steps) = (Folders::new(root)?, chosen_steps(chosen)?);
-        steps.iter().try_for_each(|step| step.write(&folders))?;
+        let written = step::all(steps.iter().map(|step| step.write(&folders)));
         artefacts::publish(&folders, &STEPS.each_ref().map(|step| step.name))?;
         let changes = fs::read_to_string(root.join("CHANGELOG.md"))?;
         if let Some(remark) = changelog::remark(&changes, folders::VERSION) {
             println!("release: {remark}");
         }
-        Ok(())
+        written
     })
 }
 
-/// Runs the named steps, or all, also in a second folder, and compares the files; true if they are equal to the byte.
+/// Runs the named steps with those that they need, or all, also in a second folder, and compares the files; true if they are equal to the byte.
 pub(crate) fn reproduce(chosen: &[&str], root: &Path) -> bool {
-    reported(|| reproduction::run(&Folders::new(root)?, &chosen_steps(chosen)?))
+    reported(|| reproduction::run(&Folders::new(root)?, &with_needed(&chosen_steps(chosen)?)))
 }
 
 /// Installs and runs the files of the last dry run in fresh systems; true if each passed.
@@ -88,6 +90,18 @@ fn chosen_steps(chosen: &[&str]) -> io::Result<Vec<&'static Step>> {
         return Err(io::Error::other(message));
     }
     Ok(STEPS.iter().filter(|step| chosen.is_empty() || chosen.contains(&step.name)).collect())
+}
+
+/// Steps with those that they need, in order.
+fn with_needed(steps: &[&'static Step]) -> Vec<&'static Step> {
+    let mut names: Vec<&str> = steps.iter().map(|step| step.name).collect();
+    // Later steps need earlier ones.
+    for step in STEPS.iter().rev() {
+        if names.contains(&step.name) {
+            names.extend(step.needs);
+        }
+    }
+    STEPS.iter().filter(|step| names.contains(&step.name)).collect()
 }
 
 /// Licences and notices of the libraries in the binaries, and their list.
@@ -117,4 +131,27 @@ fn package_crates(folders: &Folders) -> io::Result<()> {
         folders.add(&archive)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_come_with_those_that_they_need() {
+        let needed = |chosen: &[&str]| {
+            let steps = with_needed(&chosen_steps(chosen).unwrap());
+            steps.iter().map(|step| step.name).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(needed(&["debian"]), "notices command debian");
+        assert_eq!(needed(&["container", "crates"]), "notices crates command container");
+        assert_eq!(needed(&["wheels"]), "source notices wheels");
+        assert_eq!(needed(&[]), STEPS.each_ref().map(|step| step.name).join(" "));
+        // Each step needs earlier ones only.
+        for (place, step) in STEPS.iter().enumerate() {
+            for need in step.needs {
+                assert!(STEPS[..place].iter().any(|earlier| earlier.name == *need), "{need}");
+            }
+        }
+    }
 }

@@ -7,13 +7,15 @@ use std::{env, fs, io};
 use super::container::layers;
 use super::folders::Folders;
 use super::program::file_name;
-use super::step::Step;
+use super::step::{self, Step};
 use crate::process;
 
 /// Name of the other folder; spaces are where build flags break.
 const CLONE: &str = "second copy of the source";
 
 /// Runs the steps in a clone of the commit, after those that have no results yet here, and compares their files.
+///
+/// `steps` has those that the others need, in order. A step that fails or differs does not stop the others.
 ///
 /// # Errors
 /// With the files that differ, or if a step fails.
@@ -22,11 +24,8 @@ pub(super) fn run(folders: &Folders, steps: &[&Step]) -> io::Result<()> {
         let message = "CARGO_TARGET_DIR is absolute: both builds would be in the same folder";
         return Err(io::Error::other(message));
     }
-    for step in steps {
-        if !folders.is_finished(step.name) {
-            step.write(folders)?;
-        }
-    }
+    let unfinished = steps.iter().filter(|step| !folders.is_finished(step.name));
+    let written = step::all(unfinished.map(|step| step.write(folders)));
     let clone = folders.work.join(CLONE);
     if clone.exists() {
         fs::remove_dir_all(&clone)?;
@@ -38,15 +37,17 @@ pub(super) fn run(folders: &Folders, steps: &[&Step]) -> io::Result<()> {
     git.args(["checkout", "--quiet", "--detach", &folders.commit]).current_dir(&clone);
     process::succeed(&mut git)?;
     let other = Folders::new(&clone)?;
-    let mut differences = Vec::new();
-    for step in steps {
+    let reproduced = step::all(steps.iter().map(|step| {
+        folders.require(step.name)?;
         step.write(&other)?;
-        differences.extend(compared(folders, &other, step.name)?);
-    }
-    if differences.is_empty() {
-        return Ok(());
-    }
-    Err(io::Error::other(format!("not reproducible: {}", differences.join(", "))))
+        let differences = compared(folders, &other, step.name)?;
+        if differences.is_empty() {
+            return Ok(());
+        }
+        let message = format!("{}: not reproducible: {}", step.name, differences.join(", "));
+        Err(io::Error::other(message))
+    }));
+    written.and(reproduced)
 }
 
 /// Files of a step that are not in both folders with the same bytes; prints the others.

@@ -9,7 +9,7 @@ use std::{fs, io};
 
 use super::folders::{Folders, PLATFORM, VERSION};
 use super::program::file_name;
-use super::wheels;
+use super::{step, wheels};
 use crate::{package, process};
 
 /// The release of Debian in the systems.
@@ -26,11 +26,20 @@ const BUILDERS: [&str; 5] = ["cargo", "rustc", "node", "npm", "cc"];
 /// # Errors
 /// If a file of this commit is missing, a system cannot be made, or a command fails in it.
 pub(super) fn run(folders: &Folders) -> io::Result<()> {
-    let plain = Root::new(folders, "plain", &[])?;
-    archive(folders, &plain)?;
-    debian(folders, &plain)?;
-    python(folders, &Root::new(folders, "python", &["python3", "python3-venv"])?)
+    let trials: [(&str, Trial, &[&str]); 3] = [
+        ("command", archive, &[]),
+        ("debian", debian, &[]),
+        ("wheels", python, &["python3", "python3-venv"]),
+    ];
+    step::all(trials.into_iter().map(|(step, trial, packages)| {
+        folders.require(step)?;
+        let name = if packages.is_empty() { "plain" } else { "python" };
+        trial(folders, &Root::new(folders, name, packages)?)
+    }))
 }
+
+/// Installs and runs the files of a step in a fresh system.
+type Trial = fn(&Folders, &Root) -> io::Result<()>;
 
 /// The wheel, installed by pip without a network, with the Python section of the README and the studio.
 fn python(folders: &Folders, root: &Root) -> io::Result<()> {

@@ -34,7 +34,9 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
     let built = folders.work.join("wheel-build");
     for (platform, oldest, tag) in PLATFORMS {
         if !is_installed(platform)? {
-            println!("release: the standard library of {platform} is not installed: no wheel");
+            folders.report_absent(&format!(
+                "no wheel for {tag}: the standard library of {platform} is not installed"
+            ))?;
             continue;
         }
         let mut build = maturin();

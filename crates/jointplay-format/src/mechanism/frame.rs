@@ -9,6 +9,9 @@ use super::tree::{Entry, Table};
 use super::values::Values;
 use crate::file_problem::FileProblem;
 
+/// Cosine of the angle between a direction and the x-axis below which another x-axis is taken; no direction that is common in machines has it.
+const NEAR_X: f64 = 0.9;
+
 /// How far from perpendicular the axes of a universal joint may be (rad).
 const PERPENDICULAR: f64 = 1e-6;
 
@@ -137,12 +140,11 @@ fn invalid_x(kind: JointKind, x: Unit<Vector3<f64>>, z: Unit<Vector3<f64>>) -> O
     })
 }
 
-/// The coordinate axis that is most nearly perpendicular to a direction; the first of equals.
+/// The x-axis of the reference frame, or its y-axis where the direction is within 26° of x.
+///
+/// Small changes of a direction near a coordinate axis, or a diagonal of two or three, do not change the answer: a tolerance of an axis must not turn the joint frame.
 pub fn some_perpendicular(z: Unit<Vector3<f64>>) -> Unit<Vector3<f64>> {
-    let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
-    let along = |axis: &Unit<Vector3<f64>>| axis.dot(&z).abs();
-    let best = axes.into_iter().min_by(|a, b| along(a).total_cmp(&along(b)));
-    best.expect("there are three axes")
+    if z.x.abs() < NEAR_X { Vector3::x_axis() } else { Vector3::y_axis() }
 }
 
 /// The frame at a point with this z, and x as near as can be.
@@ -150,4 +152,28 @@ pub fn pose(point: Vector3<f64>, x: Unit<Vector3<f64>>, z: Unit<Vector3<f64>>) -
     let x = Unit::new_normalize(x.into_inner() - z.scale(x.dot(&z)));
     let rotation = Matrix3::from_columns(&[x.into_inner(), z.cross(&x), z.into_inner()]);
     Pose::from_parts(Translation3::from(point), Rotation3::from_matrix_unchecked(rotation))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_changes_of_an_axis_do_not_turn_the_joint_frame() {
+        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+        let turned = |axis: Vector3<f64>| {
+            let axis = Unit::new_normalize(axis);
+            pose(Vector3::zeros(), some_perpendicular(axis), axis).rotation
+        };
+        for axis in [x, y, z, x + y, x + z, y + z, x + y + z, x - y, x - z, y - z] {
+            for axis in [axis, -axis] {
+                let before = turned(axis);
+                assert!((before * x).dot(&axis).abs() < 1e-15, "{axis}");
+                for change in [x, y, z, x + y, y - z, z - x] {
+                    let angle = before.angle_to(&turned(axis + change * 1e-4));
+                    assert!(angle < 3e-4, "{axis} with {change}: {angle} rad");
+                }
+            }
+        }
+    }
 }

@@ -43,7 +43,7 @@ pub enum PartsError {
         differences: Vec<String>,
     },
     /// A folder with tables of another format.
-    #[error("the parts are {found} tables, not {wanted} tables")]
+    #[error("the parts are {found} tables, not {wanted} tables; choose {found}")]
     OtherTable {
         /// Format of the parts.
         found: &'static str,
