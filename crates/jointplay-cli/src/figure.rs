@@ -114,7 +114,17 @@ impl FigureArgs {
             let text = "--font needs an SVG figure: PNG and PDF have the included font, and .tex has that of the document";
             return Err(Failure::Usage(text.to_owned()));
         }
-        Ok(format.and(self.figure.as_deref()))
+        let path = format.and(self.figure.as_deref());
+        if let Some(path) = path {
+            let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
+            self.check_style().map_err(failed)?;
+        }
+        Ok(path)
+    }
+
+    /// Refuses text styles that no figure can have.
+    fn check_style(&self) -> Result<(), Error> {
+        restyle_svg("", self.font.as_deref(), self.text_scale).map(|_| ())
     }
 
     /// The format of the figure, by the name of its file; `None` without --figure.
@@ -143,7 +153,7 @@ impl FigureArgs {
             *width = given;
         }
         // An invalid scale is refused before it can make the width invalid.
-        restyle_svg("", None, self.text_scale)?;
+        self.check_style()?;
         *width /= self.text_scale;
         restyle_svg(&figure.svg()?, self.font.as_deref(), self.text_scale)
     }

@@ -50,7 +50,7 @@ fn a_scene_needs_its_format_and_its_folder() {
         ("--to gltf", "--out"),
         ("--to gltf --parts missing.glb --out a", "missing.glb"),
         ("--to gltf --duration-s 0 --out a", "duration"),
-        ("--to gltf --tolerance-um -1 --out a", "tolerance"),
+        ("--to gltf --tolerance-um -1 --out a", "must be positive, got -1 µm"),
         ("--to gltf --part a=b --out a", "--parts"),
     ] {
         let run = sandbox.run(&format!("{motion} {flags}"));

@@ -218,7 +218,7 @@ fn expressions_without_a_value_and_tables_without_numbers_are_refused() {
         "--free leg 1: the joint is not held; without --free, held are: leg 2, leg 3, leg 4",
     );
     refuse("move four.toml --drive \"leg 1=1\" --free \"leg 9\"", "joint `leg 9` is not known");
-    refuse("move four.toml --steps 0", "0 is not in 1..=100000");
+    refuse("move four.toml --steps 0", "expected a whole number from 1 to 100000");
     refuse(
         "move four.toml --table nan.csv",
         "line 3, column \"leg 1\": expected a finite number, found \"nan\"",
