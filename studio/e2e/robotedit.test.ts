@@ -405,6 +405,8 @@ for (const [size, times] of [['1 mm', 0.005], ['10 m', 45]] as const)
     };
     const before = await width();
     writeFileSync(file, scaled);
+    // The open page would report that its server is away.
+    await page.goto('about:blank');
     await server.stop();
     server = await serve(0, ['--robot', file]);
     await load(page, server.address);
