@@ -143,7 +143,7 @@ test('the gallery plays recorded motions, and the references are pages of the bo
   await page.context().close();
 });
 
-for (const [path, width] of [['index', 1440], ['how-to/run-a-study-on-a-cluster', 390], ['reference/python-types', 1440], ['reference/http-types', 1440], ['404', 720]] as const)
+for (const [path, width] of [['index', 1440], ['how-to/run-a-study-on-a-cluster', 390], ['reference/python-types', 1440], ['reference/http-types', 1440], ['how-to/rust', 720]] as const)
   test(`the page ${path} of the book is accessible, and its table of contents opens by keys, at ${width} px`, async () => {
     const page = await visit(browser, { viewport: { width, height: 800 } });
     await page.goto(`${address}/docs/${path}.html`);
