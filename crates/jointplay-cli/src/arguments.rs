@@ -276,17 +276,15 @@ pub(crate) struct Steps(pub(crate) Vec<f64>);
 /// A whole number within bounds.
 pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Result<N, String> {
     let value = text.trim().parse().ok().filter(|value| (least..=most).contains(value));
-    value
-        .and_then(|value| N::try_from(value).ok())
-        .ok_or_else(|| format!("expected a whole number from {least} to {most}"))
+    value.and_then(|value| N::try_from(value).ok()).ok_or_else(|| match most {
+        u64::MAX => format!("expected a whole number from {least}"),
+        _ => format!("expected a whole number from {least} to {most}"),
+    })
 }
 
 /// A whole number from 1.
 pub(crate) fn positive_whole<N: TryFrom<u64>>(text: &str) -> Result<N, String> {
-    let value = text.trim().parse().ok().filter(|&value: &u64| value > 0);
-    value
-        .and_then(|value| N::try_from(value).ok())
-        .ok_or_else(|| "expected a whole number from 1".to_owned())
+    whole(text, 1, u64::MAX)
 }
 
 /// An azimuth in radians; full turns are removed before the conversion, where they are exact.
