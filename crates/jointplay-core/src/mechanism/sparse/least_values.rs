@@ -18,10 +18,10 @@ const BATCHES: usize = 6;
 const SETTLED_VALUE: f64 = 0.05;
 /// Round-off of that gradient, as a share of the damping.
 const ROUND_OFF: f64 = 0.1;
-/// Values below this many times what damping hides are separated by what their vectors break.
+/// Values below this many times δ, the root of the damping, are hidden: the factor does not separate them from each other and from zero.
 const HIDDEN: f64 = 1.5;
-/// How often the rest is taken out of hidden vectors: each time, a third of it is left at most.
-const MAX_REMOVALS: usize = 30;
+/// How often the part of larger singular values is removed from hidden vectors: each time, a third of it is left at most.
+const MAX_PURIFICATIONS: usize = 30;
 /// Twists of a space, unless two blocks have more.
 const MAX_TWISTS: usize = 24;
 /// Most motions of one block: the cost grows with their square, and with the size of the block.
@@ -50,7 +50,7 @@ impl Linear {
         let largest = self.largest()?;
         // A space that half of all twists would start is all of them at once.
         let all = self.size();
-        let within = |block: usize| if 2 * block > all || all <= MAX_TWISTS { all } else { block };
+        let within = |block: usize| if 2 * block > all { all } else { block };
         let mut block = within(block);
         loop {
             let (spectrum, is_settled) = self.least(block, relative_threshold, largest)?;
@@ -78,7 +78,9 @@ impl Linear {
         self.solve(&mut start);
         let mut space = KrylovSpace::new(self, start.qr().q());
         let is_whole = block == self.size();
-        for batch in 1.. {
+        let mut batches = 0;
+        loop {
+            batches += 1;
             if !is_whole {
                 for _ in 0..GROWTH.div_ceil(block) {
                     space.extend(self, block)?;
@@ -87,40 +89,40 @@ impl Linear {
             let mut found = space.least(block)?;
             let hidden = self.hidden(&found);
             if hidden > 0 {
-                found = self.without_rest(found)?;
+                found = self.purified(found)?;
                 space = KrylovSpace::new(self, found.twists.clone());
             }
-            let LeastBroken { values, twists, broken } = found;
+            let LeastVectors { values, twists, violations } = found;
             let zeros =
                 values.iter().filter(|&&value| value <= relative_threshold * largest).count();
             let is_first_settled = zeros < hidden
                 || values.get(zeros).is_none_or(|value| {
                     let square = value * value;
-                    let gradient = self.apply_transposed(&broken.column(zeros).into_owned());
+                    let gradient = self.apply_transposed(&violations.column(zeros).into_owned());
                     let rest = (gradient - twists.column(zeros) * square).norm();
                     rest <= SETTLED_VALUE * square + ROUND_OFF * self.damping
                 });
             let has_all = zeros.max(hidden) < block;
-            if !has_all || is_first_settled || batch == BATCHES || is_whole {
+            if !has_all || is_first_settled || batches == BATCHES || is_whole {
                 let is_settled = has_all && is_first_settled;
                 return Ok((Spectrum { values, vectors: twists, zeros, largest }, is_settled));
             }
         }
-        unreachable!("the last batch returns")
     }
 
-    /// Number of values that damping hides from each other and from zero.
-    fn hidden(&self, found: &LeastBroken) -> usize {
+    /// Number of hidden values, see [`HIDDEN`].
+    fn hidden(&self, found: &LeastVectors) -> usize {
         let least = HIDDEN * self.damping.sqrt();
         found.values.iter().filter(|&&value| value <= least).count()
     }
 
-    /// Takes out of hidden vectors what breaks more, until no value becomes much smaller.
-    fn without_rest(&self, mut found: LeastBroken) -> Result<LeastBroken, Error> {
-        for _ in 0..MAX_REMOVALS {
+    /// Removes from hidden vectors the part of larger singular values, until no value becomes much smaller.
+    fn purified(&self, mut found: LeastVectors) -> Result<LeastVectors, Error> {
+        for _ in 0..MAX_PURIFICATIONS {
             let hidden = self.hidden(&found);
-            // N⁻¹ δ² x, but from what x really breaks, which loses nothing.
-            let mut rest = self.apply_transposed_all(&found.broken.columns(0, hidden).into_owned());
+            // N⁻¹ δ² x, but from J x itself, which loses nothing.
+            let mut rest =
+                self.apply_transposed_all(&found.violations.columns(0, hidden).into_owned());
             self.solve(&mut rest);
             let mut twists = found.twists;
             twists.columns_mut(0, hidden).zip_apply(&rest, |x, rest| *x -= rest);
@@ -176,12 +178,12 @@ impl Linear {
     }
 }
 
-/// Twists of links that the inverse of the normal equations makes of a few at random, with what they break.
+/// Krylov space of the inverse of the normal equations, from a few twists of links at random.
 struct KrylovSpace {
     /// Orthonormal twists.
     twists: DMatrix<f64>,
-    /// J times the twists.
-    broken: DMatrix<f64>,
+    /// J times the twists: how they violate the closures.
+    violations: DMatrix<f64>,
     /// Columns of the last block.
     last: usize,
 }
@@ -189,49 +191,50 @@ struct KrylovSpace {
 impl KrylovSpace {
     /// The space of orthonormal twists.
     fn new(linear: &Linear, twists: DMatrix<f64>) -> Self {
-        let (broken, last) = (linear.apply_all(&twists), twists.ncols());
-        Self { twists, broken, last }
+        let (violations, last) = (linear.apply_all(&twists), twists.ncols());
+        Self { twists, violations, last }
     }
 
-    /// Adds what the inverse makes of the last block; beyond [`MAX_TWISTS`] only the `block` twists that break least are kept.
+    /// Adds what the inverse makes of the last block; beyond [`MAX_TWISTS`] only the `block` singular vectors with the least singular values are kept.
     fn extend(&mut self, linear: &Linear, block: usize) -> Result<(), Error> {
         let first = self.twists.ncols() - self.last;
         let mut next = self.twists.columns(first, self.last).into_owned();
         linear.solve(&mut next);
-        if self.twists.ncols() + self.last > MAX_TWISTS.max(2 * block) {
-            let LeastBroken { twists, broken, .. } = self.least(block)?;
-            (self.twists, self.broken) = (twists, broken);
+        let most = MAX_TWISTS.max(2 * block).min(linear.size());
+        if self.twists.ncols() + self.last > most {
+            let LeastVectors { twists, violations, .. } = self.least(block)?;
+            (self.twists, self.violations) = (twists, violations);
         }
         // Twice: what is left of a block that the space has nearly may be round-off.
         for _ in 0..2 {
             next -= &self.twists * self.twists.tr_mul(&next);
             next = next.qr().q();
         }
-        let broken = linear.apply_all(&next);
+        let violations = linear.apply_all(&next);
         self.last = next.ncols();
         self.twists = side_by_side(&self.twists, &next);
-        self.broken = side_by_side(&self.broken, &broken);
+        self.violations = side_by_side(&self.violations, &violations);
         Ok(())
     }
 
-    /// The `count` singular vectors of the space that break least.
-    fn least(&self, count: usize) -> Result<LeastBroken, Error> {
-        let found = svd(&self.broken.clone().qr().r())?;
+    /// The `count` singular vectors of the space with the least singular values.
+    fn least(&self, count: usize) -> Result<LeastVectors, Error> {
+        let found = svd(&self.violations.clone().qr().r())?;
         let ascending: Vec<usize> = (0..self.twists.ncols()).rev().take(count).collect();
         let v = found.v.select_columns(&ascending);
         let value = |k: usize| found.singular_values.get(k).copied().unwrap_or(0.0);
         let values = ascending.into_iter().map(value).collect();
-        Ok(LeastBroken { values, twists: &self.twists * &v, broken: &self.broken * v })
+        Ok(LeastVectors { values, twists: &self.twists * &v, violations: &self.violations * v })
     }
 }
 
-/// Singular vectors of a space that break least.
-struct LeastBroken {
+/// Singular vectors of a space with the least singular values.
+struct LeastVectors {
     /// Singular values, ascending.
     values: Vec<f64>,
     twists: DMatrix<f64>,
-    /// J times the twists.
-    broken: DMatrix<f64>,
+    /// J times the twists: how they violate the closures.
+    violations: DMatrix<f64>,
 }
 
 /// The columns of two matrices.
