@@ -8,6 +8,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::allowed_collisions::ClearanceRule;
+use super::distance_bound::{DirectionGap, DistanceBound};
 use super::interval_motion_bound::IntervalMotionBound;
 use super::link_poses::LinkPoses;
 use super::motion_bound::{DisplacementBound, MotionBoundModel};
@@ -16,9 +17,7 @@ use super::object::Parent;
 use super::sampled_step::SampledStep;
 use super::scene::Scene;
 use super::unknown_pose::UnknownPose;
-use crate::geometry::{
-    PlacedCollider, bounding_sphere_gap, distance, penetration_depth, separation, separation_along,
-};
+use crate::geometry::{PlacedCollider, distance, penetration_depth, separation};
 use crate::trajectory::{Sample, Trajectory};
 use crate::violation::{
     IntervalMerger, SampleTime, SampleViolation, Subject, ViolationInterval, ViolationKind,
@@ -146,6 +145,7 @@ impl StepDistanceQuery<'_> {
                 minimum: pairs.minima[index],
                 violating: Vec::new(),
                 direction: pairs.directions[index],
+                direction_changes: 0,
             };
             for run in &runs {
                 if let Err(pose) = query.check_run(run) {
@@ -217,32 +217,8 @@ struct PairQuery<'q, 'a> {
     violating: Vec<DistanceSample>,
     /// Separating direction from the first object to the second at the last evaluation, in the frame of the common ancestor, where it changes little.
     direction: Option<Vector3<f64>>,
-}
-
-/// Distance of a pair at one time, or lower bounds of it.
-#[derive(Clone, Copy)]
-struct DistanceBound {
-    /// Distance, or a lower bound of it (m).
-    value: f64,
-    is_exact: bool,
-    /// Lower bound of the gap along the platform's normal, along which arms do not move (m).
-    along_normal: f64,
-}
-
-/// Lower bound of the distance in an interval, from bounds at its ends and the travel between them (m).
-fn distance_bound(left: &DistanceBound, right: &DistanceBound, motion: IntervalMotionBound) -> f64 {
-    let any_direction = left.value + right.value - motion.total;
-    let along_normal = left.along_normal + right.along_normal - motion.along_normal;
-    0.5 * any_direction.max(along_normal)
-}
-
-impl DistanceBound {
-    /// Bound by bounding spheres, and by the extents along the platform's normal.
-    fn of_spheres(query: &StepDistanceQuery<'_>, poses: &LinkPoses, objects: [usize; 2]) -> Self {
-        let [a, b] = query.colliders(poses, objects);
-        let along_normal = separation_along(a, b, &poses.normal);
-        Self { value: bounding_sphere_gap(a, b), is_exact: false, along_normal }
-    }
+    /// Number of evaluations that changed the direction.
+    direction_changes: usize,
 }
 
 impl PairQuery<'_, '_> {
@@ -265,22 +241,24 @@ impl PairQuery<'_, '_> {
     ) -> Result<(), UnknownPose> {
         // Bounds in the order of their cost: spheres, separating direction, exact distances.
         let motion = self.motion_bound(&interval);
-        if distance_bound(left, right, motion) > self.relevant_distance() {
+        if DistanceBound::between(left, right, motion) > self.relevant_distance() {
             return Ok(());
         }
         self.refine_lower_bound(interval.start, left)?;
         self.refine_lower_bound(interval.end, right)?;
-        let bound = distance_bound(left, right, motion);
-        if bound.max(self.separating_direction_bound(&interval, motion)?) > self.relevant_distance()
-        {
+        let bound = DistanceBound::between(left, right, motion);
+        let along_direction = self.separating_direction_bound(&interval, left, right, motion)?;
+        if bound.max(along_direction) > self.relevant_distance() {
             return Ok(());
         }
         if interval.len() == 1 {
             self.evaluate_if_relevant(interval.start, left)?;
             self.evaluate_if_relevant(interval.end, right)?;
             // Between samples only violations are searched for, not minimum distances.
-            let bound = distance_bound(left, right, motion);
-            if bound.max(self.separating_direction_bound(&interval, motion)?) > self.limit {
+            let bound = DistanceBound::between(left, right, motion);
+            let along_direction =
+                self.separating_direction_bound(&interval, left, right, motion)?;
+            if bound.max(along_direction) > self.limit {
                 return Ok(());
             }
             self.evaluate(interval.start, left)?;
@@ -315,7 +293,8 @@ impl PairQuery<'_, '_> {
         }
         // Where the clearance is violated already, only a contact is worse.
         let level = if left.value.min(right.value) <= self.limit { 0.0 } else { self.limit };
-        if distance_bound(left, right, motion) > level || motion.total < MIN_INTERVAL_TRAVEL {
+        if DistanceBound::between(left, right, motion) > level || motion.total < MIN_INTERVAL_TRAVEL
+        {
             return Ok(false);
         }
         let time = 0.5 * (times[0] + times[1]);
@@ -326,7 +305,7 @@ impl PairQuery<'_, '_> {
         let poses = query.scene.link_poses(&state.positions, Vec::new());
         let poses = poses.map_err(|error| UnknownPose { at, error })?;
         let [a, b] = query.colliders(&poses, self.pair.objects);
-        let mut middle = DistanceBound::of_spheres(query, &poses, self.pair.objects);
+        let mut middle = DistanceBound::by_spheres([a, b], &poses.normal);
         (middle.value, middle.is_exact) = (distance(a, b), true);
         if middle.value <= self.limit {
             let depth = if middle.value == 0.0 { penetration_depth(a, b) } else { 0.0 };
@@ -346,7 +325,7 @@ impl PairQuery<'_, '_> {
         let query = &mut *self.query;
         query.sampled.ensure_link_poses(query.scene, sample)?;
         let poses = query.sampled.link_poses(sample)?;
-        Ok(DistanceBound::of_spheres(query, poses, self.pair.objects))
+        Ok(DistanceBound::by_spheres(query.colliders(poses, self.pair.objects), &poses.normal))
     }
 
     /// Raises the lower bound at a sample to the separation along the last separating direction.
@@ -355,12 +334,34 @@ impl PairQuery<'_, '_> {
         sample: usize,
         bound: &mut DistanceBound,
     ) -> Result<(), UnknownPose> {
-        let (false, Some(direction)) = (bound.is_exact, &self.direction) else { return Ok(()) };
-        let poses = self.query.sampled.link_poses(sample)?;
-        let [a, b] = self.query.colliders(poses, self.pair.objects);
-        let rotation = self.query.scene.rotation_of(self.relative.ancestor, poses);
-        bound.value = bound.value.max(separation_along(a, b, &(rotation * direction)));
+        if !bound.is_exact
+            && let Some(gap) = self.direction_gap(sample, bound)?
+        {
+            bound.value = bound.value.max(gap.either);
+        }
         Ok(())
+    }
+
+    /// Gap along the last separating direction at a sample, computed once for each direction; `None` before the first.
+    fn direction_gap(
+        &self,
+        sample: usize,
+        bound: &mut DistanceBound,
+    ) -> Result<Option<DirectionGap>, UnknownPose> {
+        let (Some(direction), direction_changes) = (&self.direction, self.direction_changes) else {
+            return Ok(None);
+        };
+        let known = bound.along_direction;
+        if known.is_some_and(|gap| gap.direction_changes == direction_changes) {
+            return Ok(known);
+        }
+        let query = &*self.query;
+        let poses = query.sampled.link_poses(sample)?;
+        let colliders = query.colliders(poses, self.pair.objects);
+        let direction = query.scene.rotation_of(self.relative.ancestor, poses) * direction;
+        let gap = DirectionGap::new(colliders, &direction, direction_changes, &poses.normal);
+        bound.along_direction = Some(gap);
+        Ok(bound.along_direction)
     }
 
     /// Evaluates the distance at a sample unless its lower bound rules out that it is relevant.
@@ -391,7 +392,10 @@ impl PairQuery<'_, '_> {
         let found = separation(a, b, guess.as_ref());
         let distance = found.distance;
         let direction = found.direction.map(|direction| rotation.inverse() * direction);
-        self.direction = direction.or(self.direction);
+        if direction.is_some() {
+            self.direction = direction;
+            self.direction_changes += 1;
+        }
         (bound.value, bound.is_exact) = (distance, true);
         let time = query.sampled.times()[sample];
         if distance <= self.limit {
@@ -467,21 +471,14 @@ impl PairQuery<'_, '_> {
     fn separating_direction_bound(
         &self,
         interval: &Range<usize>,
+        left: &mut DistanceBound,
+        right: &mut DistanceBound,
         motion: IntervalMotionBound,
     ) -> Result<f64, UnknownPose> {
-        let Some(direction) = &self.direction else { return Ok(f64::NEG_INFINITY) };
-        let query = &*self.query;
-        let mut gap = f64::INFINITY;
-        let mut vertical = 0.0_f64;
-        for sample in [interval.start, interval.end] {
-            let poses = query.sampled.link_poses(sample)?;
-            let [a, b] = query.colliders(poses, self.pair.objects);
-            let direction = query.scene.rotation_of(self.relative.ancestor, poses) * direction;
-            // Signed: an object that passes through another is apart from it before and after, but on opposite sides.
-            gap = gap.min(b.extent_along(&direction).min - a.extent_along(&direction).max);
-            let tilt = (poses.normal - Vector3::z()).norm();
-            vertical = vertical.max(direction.dot(&poses.normal).abs() + tilt);
-        }
+        let ends =
+            [self.direction_gap(interval.start, left)?, self.direction_gap(interval.end, right)?];
+        let [Some(left), Some(right)] = ends else { return Ok(f64::NEG_INFINITY) };
+        let (gap, vertical) = (left.signed.min(right.signed), left.vertical.max(right.vertical));
         // Deflections are mostly vertical: only their part along the direction counts.
         let vertical_ratio = (vertical + motion.normal_rotation).min(1.0);
         let deflection = vertical_ratio * motion.deflection + motion.lateral_deflection;

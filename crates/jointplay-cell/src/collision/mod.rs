@@ -26,12 +26,13 @@
 //! | `sample_windows`, `sampled_step`, `axis_states`, `link_poses`, `unknown_pose` | axis states and link poses of a step at its samples |
 //! | `motion_bound_coefficients`, `in_plane_motion`, `motion_bound` | upper bounds of the travel of any point between two samples |
 //! | `swept_aabb`, `broad_phase` | boxes around the path of each object, candidate pairs |
-//! | `adaptive_bisection` | distances of candidate pairs over a step |
+//! | `distance_bound`, `adaptive_bisection` | distances of candidate pairs over a step |
 
 mod adaptive_bisection;
 mod allowed_collisions;
 mod axis_states;
 mod broad_phase;
+mod distance_bound;
 mod in_plane_motion;
 mod interval_motion_bound;
 mod link_poses;

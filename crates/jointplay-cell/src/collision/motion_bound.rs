@@ -34,20 +34,31 @@ impl DisplacementBound {
 }
 
 /// Upper bounds of the travel of all axes and of the platform between two samples.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct AxisTravel {
-    /// Travel of each axis, back and forth added up (m or rad).
-    axes: [f64; MAX_AXES],
-    /// ∫|q̈| dt of each axis (m/s or rad/s).
-    acceleration_integrals: [f64; MAX_AXES],
-    /// ∫q̇² dt of each axis (m²/s or rad²/s).
-    squared_velocity_integrals: [f64; MAX_AXES],
+#[derive(Clone, Copy)]
+pub(crate) struct AxisTravel<'a> {
+    /// Indices of the axes that move.
+    moving: &'a [usize],
+    /// Prefix sums of each of these axes.
+    sums: &'a [Vec<[f64; 3]>],
+    /// First and last sample.
+    samples: [usize; 2],
     /// Travel of the platform's origin (m).
     origin: f64,
     /// Rotation of the platform's normal (rad).
     pub(crate) normal_rotation: f64,
     /// Rotation of the platform about its normal, beyond the shortest rotation (rad).
     torsion: f64,
+}
+
+impl AxisTravel<'_> {
+    /// Each axis that moves, with its travel, back and forth added up (m or rad), ∫|q̈| dt (m/s or rad/s) and ∫q̇² dt (m²/s or rad²/s).
+    fn axes(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
+        let [first, last] = self.samples;
+        self.moving.iter().zip(self.sums).map(move |(&axis, sums)| {
+            let (first, last) = (&sums[first], &sums[last]);
+            (axis, std::array::from_fn(|k| last[k] - first[k]))
+        })
+    }
 }
 
 /// Prefix sums of the travel of all axes and of the platform, by sample.
@@ -139,20 +150,19 @@ impl CumulativeAxisTravel {
     }
 
     /// Travel between two samples.
-    pub(crate) fn between(&self, sampler: &AxisSampler, interval: &Range<usize>) -> AxisTravel {
-        let mut travel = AxisTravel::default();
-        let (from, to) = (interval.start, interval.end);
-        for (&axis, sums) in sampler.moving().iter().zip(&self.axes) {
-            let [path, acceleration, square] = std::array::from_fn(|k| sums[to][k] - sums[from][k]);
-            travel.axes[axis] = path;
-            travel.acceleration_integrals[axis] = acceleration;
-            travel.squared_velocity_integrals[axis] = square;
-        }
-        if let (Some(last), Some(first)) = (self.platform.get(to), self.platform.get(from)) {
-            [travel.origin, travel.normal_rotation, travel.torsion] =
-                std::array::from_fn(|k| last[k] - first[k]);
-        }
-        travel
+    pub(crate) fn between<'a>(
+        &'a self,
+        sampler: &'a AxisSampler,
+        interval: &Range<usize>,
+    ) -> AxisTravel<'a> {
+        let samples = [interval.start, interval.end];
+        let [first, last] = samples.map(|sample| self.platform.get(sample));
+        let [origin, normal_rotation, torsion] = match (first, last) {
+            (Some(first), Some(last)) => std::array::from_fn(|k| last[k] - first[k]),
+            _ => [0.0; 3],
+        };
+        let (moving, sums) = (sampler.moving(), &*self.axes);
+        AxisTravel { moving, sums, samples, origin, normal_rotation, torsion }
     }
 }
 
@@ -256,16 +266,18 @@ impl MotionBoundModel {
     pub(crate) fn displacement(
         &self,
         coefficients: &MotionBoundCoefficients,
-        travel: &AxisTravel,
+        travel: &AxisTravel<'_>,
     ) -> DisplacementBound {
         let rotation = travel.normal_rotation + travel.torsion;
-        let by_axes = |coefficients: &[f64; MAX_AXES]| dot(coefficients, &travel.axes);
         let platform_deflection = rotation * coefficients.platform_deflection;
         let platform = travel.origin + rotation * coefficients.rigid_radius + platform_deflection;
-        let arms = by_axes(&coefficients.arms);
-        let deflection = by_axes(&coefficients.deflection);
-        let lateral_deflection = by_axes(&coefficients.lateral_deflection);
-        DisplacementBound { platform, arms, deflection, lateral_deflection, platform_deflection }
+        let mut bound = DisplacementBound { platform, platform_deflection, ..Default::default() };
+        for (axis, [path, ..]) in travel.axes() {
+            bound.arms += coefficients.arms[axis] * path;
+            bound.deflection += coefficients.deflection[axis] * path;
+            bound.lateral_deflection += coefficients.lateral_deflection[axis] * path;
+        }
+        bound
     }
 
     /// Upper bound of the variation of the arms' part of a point's velocity, ∫|p̈| dt (m/s).
@@ -277,16 +289,13 @@ impl MotionBoundModel {
     pub(crate) fn velocity_variation(
         &self,
         coefficients: &MotionBoundCoefficients,
-        travel: &AxisTravel,
+        travel: &AxisTravel<'_>,
     ) -> f64 {
-        dot(&coefficients.arms, &travel.acceleration_integrals)
-            + dot(&coefficients.centripetal, &travel.squared_velocity_integrals)
+        let of_axis = |(axis, [_, acceleration, square]): (usize, [f64; 3])| {
+            coefficients.arms[axis] * acceleration + coefficients.centripetal[axis] * square
+        };
+        travel.axes().map(of_axis).sum()
     }
-}
-
-/// Sum of the products of coefficients and quantities of all axes.
-fn dot(coefficients: &[f64; MAX_AXES], quantities: &[f64; MAX_AXES]) -> f64 {
-    coefficients.iter().zip(quantities).map(|(coefficient, quantity)| coefficient * quantity).sum()
 }
 
 /// Upper bound of the magnitude between two values of a quantity whose rate is bounded.

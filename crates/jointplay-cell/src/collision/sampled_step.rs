@@ -139,7 +139,7 @@ impl SampledStep {
     }
 
     /// Upper bounds of the travel of all axes between two samples.
-    pub(crate) fn axis_travel(&self, interval: &Range<usize>) -> AxisTravel {
+    pub(crate) fn axis_travel(&self, interval: &Range<usize>) -> AxisTravel<'_> {
         self.travel.between(&self.axes, interval)
     }
 
@@ -194,19 +194,27 @@ impl SampledStep {
         for run in runs {
             let ends = run.clone().step_by(self.samples_per_box).skip(1).chain([run.end - 1]);
             let mut from = run.start;
+            let mut first = self.aabb(scene, object, from)?;
             for to in ends {
-                let mut aabb = |sample: usize| -> Result<[Interval; 3], UnknownPose> {
-                    self.ensure_link_poses(scene, sample)?;
-                    Ok(scene.collider_at(object, self.link_poses(sample)?).aabb())
-                };
-                let (first, second) = (aabb(from)?, aabb(to)?);
+                let second = self.aabb(scene, object, to)?;
                 // Between two samples a point is no farther from one of its positions there than half of its travel.
                 let travel = self.axis_travel(&(from..to));
                 let margin = 0.5 * bounds.displacement(coefficients, &travel).total();
                 parts.push(std::array::from_fn(|k| first[k].union(second[k]).inflated(margin)));
-                from = to;
+                (from, first) = (to, second);
             }
         }
         Ok(parts.iter().copied().reduce(union).map(|whole| SweptAabb { whole, parts }))
+    }
+
+    /// Axis-aligned box around an object at a sample.
+    fn aabb(
+        &mut self,
+        scene: &Scene<'_>,
+        object: usize,
+        sample: usize,
+    ) -> Result<[Interval; 3], UnknownPose> {
+        self.ensure_link_poses(scene, sample)?;
+        Ok(scene.collider_at(object, self.link_poses(sample)?).aabb())
     }
 }

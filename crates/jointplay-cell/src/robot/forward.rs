@@ -6,7 +6,7 @@ use nalgebra::{Translation3, Vector3};
 
 use super::arm_chain::ArmChain;
 use super::hybrid_robot::{Arm, AxisKind, Effector, EffectorId, HybridRobot, RODS};
-use super::rotation_about_z::rotation_about_z;
+use super::rotation_about_z::{rotated_about_z, rotation_about_z};
 use crate::CellError;
 
 /// Poses of all links and wafers of a robot; bodies are rigid, nothing droops.
@@ -54,17 +54,19 @@ impl Arm {
     /// Appends the poses of the arm's links, from the first on.
     pub(crate) fn links(&self, base_from_platform: &Pose, positions: &[f64], to: &mut Vec<Pose>) {
         let mut link = base_from_platform * Translation3::from(self.mount);
-        let mut length = Translation3::identity();
+        let mut to_next = Vector3::zeros();
         for joint in &self.joints {
             let driven = joint.drives.iter().map(|&(axis, ratio)| ratio * positions[axis]);
             let value = joint.zero + driven.sum::<f64>();
-            let rise = Translation3::new(0.0, 0.0, joint.rise);
-            link = link * length * rise;
-            match joint.kind {
-                AxisKind::Rotary => link *= rotation_about_z(value),
-                AxisKind::Linear => link *= Translation3::new(value, 0.0, 0.0),
+            to_next.z += joint.rise;
+            if joint.kind == AxisKind::Linear {
+                to_next.x += value;
             }
-            length = Translation3::new(joint.length, joint.offset, 0.0);
+            link *= Translation3::from(to_next);
+            if joint.kind == AxisKind::Rotary {
+                link = rotated_about_z(&link, value);
+            }
+            to_next = Vector3::new(joint.length, joint.offset, 0.0);
             to.push(link);
         }
     }

@@ -2,6 +2,13 @@
 
 use std::hash::Hasher;
 
+/// Largest number of steps in the search for the time at which a position is passed.
+const MAX_ROOT_STEPS: usize = 60;
+/// Change of that time at which the search ends, relative to the duration of the piece.
+///
+/// Newton's method squares it in the next step, which would be round-off.
+const ROOT_TOLERANCE: f64 = 1e-7;
+
 /// Adds numbers to a hash, bit by bit.
 pub(super) fn hash_numbers(hasher: &mut impl Hasher, numbers: &[f64]) {
     numbers.iter().for_each(|number| hasher.write_u64(number.to_bits()));
@@ -129,21 +136,46 @@ impl JerkLimitedProfile {
         }
     }
 
-    /// Time at which a profile whose velocity is never negative passes a position (s).
-    pub(crate) fn time_at(&self, position: f64) -> f64 {
-        let next = self.pieces.partition_point(|piece| piece.state[0] < position);
-        let piece = &self.pieces[next.saturating_sub(1)];
-        let end = self.pieces.get(next).map_or(self.duration, |next| next.start);
-        let (mut early, mut late) = (0.0, end - piece.start);
-        for _ in 0..30 {
-            let middle = 0.5 * (early + late);
-            if advanced(&piece.state, middle)[0] < position {
-                early = middle;
+    /// Times at which a profile whose velocity is never negative passes positions in growing order (s).
+    pub(crate) fn times_at(&self, positions: &[f64]) -> impl Iterator<Item = f64> {
+        let mut current = 0;
+        positions.iter().map(move |&position| {
+            while self.pieces.get(current + 1).is_some_and(|next| next.state[0] < position) {
+                current += 1;
+            }
+            self.time_in_piece(current, position)
+        })
+    }
+
+    /// Time at which a piece passes a position (s).
+    fn time_in_piece(&self, index: usize, position: f64) -> f64 {
+        let piece = &self.pieces[index];
+        let (end, end_position) = match self.pieces.get(index + 1) {
+            Some(next) => (next.start, next.state[0]),
+            None => (self.duration, self.end),
+        };
+        let whole = end - piece.start;
+        let (mut early, mut late) = (0.0, whole);
+        let fraction = (position - piece.state[0]) / (end_position - piece.state[0]);
+        let mut time = if fraction > 0.0 { fraction.min(1.0) * whole } else { 0.0 };
+        // Newton's method in a bracket, which is halved where a step would leave it.
+        for _ in 0..MAX_ROOT_STEPS {
+            let [reached, velocity, ..] = advanced(&piece.state, time);
+            if reached < position {
+                early = time;
             } else {
-                late = middle;
+                late = time;
+            }
+            let newton = time + (position - reached) / velocity;
+            let is_inside = newton >= early && newton <= late;
+            let next = if is_inside { newton } else { 0.5 * (early + late) };
+            let is_found = (next - time).abs() <= ROOT_TOLERANCE * whole;
+            time = next;
+            if is_found {
+                break;
             }
         }
-        piece.start + late
+        piece.start + time
     }
 
     /// The profile stretched in time by a factor.
@@ -195,7 +227,7 @@ mod tests {
         for k in 0..=40 {
             let t = 0.05 * f64::from(k);
             assert_eq!(in_order(t), profile.state(t));
-            let found = profile.time_at(profile.state(t)[0]);
+            let found = profile.times_at(&[profile.state(t)[0]]).next().unwrap();
             assert!(
                 (found - t).abs() < 1e-5 && profile.state(found)[0] >= profile.state(t)[0] - 1e-15,
                 "{t}"

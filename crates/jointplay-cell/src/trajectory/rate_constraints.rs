@@ -35,6 +35,11 @@ impl Bound {
     }
 }
 
+/// Raises a maximum to a value; NaN is passed over, as by [`f64::max`], in one instruction.
+pub(super) fn raise(most: &mut f64, value: f64) {
+    *most = if value > *most { value } else { *most };
+}
+
 /// Magnitude that no constraint reaches.
 const UNBOUNDED: f64 = 1e6;
 
@@ -62,10 +67,9 @@ impl Exceedance {
         Self { axes, ratios: vec![[1.0; 2]; axes * INTERVALS] }
     }
 
-    /// Raises the ratios of an axis in an interval.
-    pub(super) fn raise(&mut self, interval: usize, axis: usize, ratios: [f64; 2]) {
-        let known = &mut self.ratios[interval * self.axes + axis];
-        *known = [known[0].max(ratios[0]), known[1].max(ratios[1])];
+    /// Ratios of all axes in an interval.
+    pub(super) fn in_interval(&mut self, interval: usize) -> &mut [[f64; 2]] {
+        &mut self.ratios[interval * self.axes..][..self.axes]
     }
 
     /// Multiplies the ratios by those of another solution.
@@ -175,22 +179,24 @@ impl<'a> RateConstraints<'a> {
     /// Adds a collocation point with the limits of acceleration or jerk of all axes.
     fn add(&mut self, path: &PathAtPoint<'_>, interval: usize, fraction: f64, bound: Bound) {
         let first = self.rows.len();
+        let mut largest = 0.0;
         for (axis, ([d1, d2, d3], (_, limits))) in
             path.derivatives.iter().zip(path.limits).enumerate()
         {
             let ratios = path.exceedance.ratios[interval * path.limits.len() + axis];
-            let (row, most) = if bound == Bound::Jerk {
+            let row = if bound == Bound::Jerk {
                 let inverse = ratios[1] / limits.jerk;
-                let row = [inverse * d3, 1.5 * inverse * d2, 0.5 * inverse * d1];
-                (row, row[0].abs().powf(-2.0 / 3.0))
+                [inverse * d3, 1.5 * inverse * d2, 0.5 * inverse * d1]
             } else {
                 let inverse = ratios[0] / limits.acceleration;
-                let row = [inverse * d2, 0.5 * inverse * d1, 0.0];
-                (row, 1.0 / row[0].abs())
+                [inverse * d2, 0.5 * inverse * d1, 0.0]
             };
             self.rows.push(row);
-            self.unit = self.unit.min(most);
+            raise(&mut largest, row[0].abs());
         }
+        // At a constant rate: k₀ x ≤ 1, or k₀ x ≤ 1/√x.
+        let most = if bound == Bound::Jerk { largest.powf(-2.0 / 3.0) } else { largest.recip() };
+        self.unit = self.unit.min(most);
         let mut kept = first;
         for index in first..self.rows.len() {
             let row = self.rows[index];
@@ -249,7 +255,10 @@ impl<'a> RateConstraints<'a> {
             for (row, slack) in rows.by_ref().take(point.rows) {
                 let value = row[0] * x + row[1] * x1 + row[2] * x2;
                 *slack = [above - value, below + value];
-                least = least.min(slack[0]).min(slack[1]);
+                // As by `f64::min`, in one instruction each.
+                for &slack in &*slack {
+                    least = if slack < least { slack } else { least };
+                }
             }
         }
         for knot in 1..INTERVALS {

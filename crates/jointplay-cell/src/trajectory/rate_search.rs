@@ -1,6 +1,6 @@
 //! Search for the largest squared rate within constraints: a primal-dual interior-point method.
 
-use super::rate_constraints::{Bound, RateConstraints, Slacks};
+use super::rate_constraints::{Bound, RateConstraints, Slacks, raise};
 use super::squared_rate::{
     COEFFICIENTS, INTERVALS, QuadraturePoint, RateGrid, SquaredRate, product,
 };
@@ -229,8 +229,12 @@ impl<'a> RateSearch<'a> {
             let inverse = 1.0 / slack;
             let relative = slack_change * inverse;
             let change = target * inverse - *multiplier * (relative + 1.0);
-            divisor = divisor.max(-relative / STEP_FRACTION);
-            divisor = divisor.max(-change / (STEP_FRACTION * *multiplier));
+            raise(&mut divisor, -relative / STEP_FRACTION);
+            // Compared before it is divided by: few multipliers limit the step.
+            let most = STEP_FRACTION * *multiplier;
+            if -change > divisor * most {
+                divisor = -change / most;
+            }
             *multiplier = change;
         };
         let mut rows =

@@ -67,7 +67,7 @@ impl Segment {
             }
             Self::Line { path, parameter } => {
                 // The third derivative of the spline is discontinuous at its knots.
-                let knots = path.spline.knots().iter().map(|&knot| parameter.time_at(knot));
+                let knots = parameter.times_at(path.spline.knots());
                 parameter.jerk_discontinuities().chain(knots).collect()
             }
         }

@@ -9,7 +9,7 @@
 //! and the remaining exceedance is removed by a slowdown of the whole.
 
 use super::profile::{AxisState, JerkLimitedProfile};
-use super::rate_constraints::{Exceedance, FrictionConstraints, RateConstraints};
+use super::rate_constraints::{Exceedance, FrictionConstraints, RateConstraints, raise};
 use super::rate_search::RateSearch;
 use super::spline::{self, Jet, Spline};
 use super::squared_rate::{INTERVALS, RateGrid};
@@ -229,14 +229,15 @@ impl<'a> TimeParameterization<'a> {
             for k in 0..=count as usize {
                 let state = piece.state(piece.duration * (k as f64 / count));
                 let interval = intervals(state[0]);
-                let exceedance = exceedance.as_deref_mut().map(|one| (one, rate_interval));
-                self.raise_time_scale(&mut scale, state, interval, exceedance);
+                let exceeded = exceedance.as_deref_mut().map(|it| it.in_interval(rate_interval));
+                self.raise_time_scale(&mut scale, state, interval, exceeded);
             }
         }
         // The third derivative of the path is discontinuous at its knots: both sides are verified.
         let knots = self.spline.knots();
-        for (interval, &knot) in knots.iter().enumerate().take(knots.len() - 1).skip(1) {
-            let state = profile.state(profile.time_at(knot));
+        let mut states = profile.states_in_order();
+        for (interval, time) in profile.times_at(&knots[1..knots.len() - 1]).enumerate() {
+            let (interval, state) = (interval + 1, states(time));
             self.raise_time_scale(&mut scale, state, interval - 1, None);
             self.raise_time_scale(&mut scale, state, interval, None);
         }
@@ -251,7 +252,7 @@ impl<'a> TimeParameterization<'a> {
         scale: &mut f64,
         [s, rate, acceleration, jerk]: AxisState,
         interval: usize,
-        mut exceedance: Option<(&mut Exceedance, usize)>,
+        exceeded: Option<&mut [[f64; 2]]>,
     ) {
         let mut velocity_ratio = rate / self.max_rate;
         let (mut acceleration_ratio, mut jerk_ratio) = (0.0_f64, 0.0_f64);
@@ -259,20 +260,22 @@ impl<'a> TimeParameterization<'a> {
         let (squared, cubed) = (rate * rate, rate * rate * rate);
         let t = s - self.spline.knots()[interval];
         let axes = self.jets[interval * count..][..count].iter().zip(&self.inverse_limits);
-        for (axis, (jet, inverse)) in axes.enumerate() {
+        let mut exceeded = exceeded.into_iter().flatten();
+        for (jet, inverse) in axes {
             let [_, slope, curvature, third] = spline::advanced(jet, t);
             let v = slope * rate;
             let a = curvature * squared + slope * acceleration;
             let j = third * cubed + 3.0 * curvature * rate * acceleration + slope * jerk;
-            velocity_ratio = velocity_ratio.max(v.abs() * inverse[0]);
+            raise(&mut velocity_ratio, v.abs() * inverse[0]);
             let ratios = [a.abs() * inverse[1], j.abs() * inverse[2]];
-            acceleration_ratio = acceleration_ratio.max(ratios[0]);
-            jerk_ratio = jerk_ratio.max(ratios[1]);
-            if let Some((exceedance, rate_interval)) = &mut exceedance {
-                exceedance.raise(*rate_interval, axis, ratios);
+            raise(&mut acceleration_ratio, ratios[0]);
+            raise(&mut jerk_ratio, ratios[1]);
+            if let Some(known) = exceeded.next() {
+                raise(&mut known[0], ratios[0]);
+                raise(&mut known[1], ratios[1]);
             }
         }
-        *scale = scale.max(velocity_ratio);
+        raise(scale, velocity_ratio);
         // Powers are compared before roots are taken: few states raise the scale.
         if acceleration_ratio > *scale * *scale {
             *scale = acceleration_ratio.sqrt();
@@ -370,7 +373,7 @@ mod tests {
             profile.duration(),
             constant_limits.duration()
         );
-        let rate = |s: f64| profile.state(profile.time_at(s))[1];
+        let rate = |s: f64| profile.state(profile.times_at(&[s]).next().unwrap())[1];
         assert!(rate(0.25) > 1.2 * rate(0.5), "{} {}", rate(0.25), rate(0.5));
         assert_eq!(profile.state(profile.duration()), [1.0, 0.0, 0.0, 0.0]);
     }
