@@ -572,6 +572,14 @@ class CellPlan:
         from_s: float | None = None,
         to_s: float | None = None,
     ) -> dict[str, NDArray[Any]]: ...
+    def link_poses(
+        self,
+        name: str,
+        *,
+        rate_hz: float = 100.0,
+        from_s: float | None = None,
+        to_s: float | None = None,
+    ) -> NDArray[np.float64]: ...
     def gltf(self, *, rate_hz: float = 60.0, despite_errors: bool = False) -> bytes: ...
     def controller_text(
         self,
