@@ -480,7 +480,9 @@ class Mechanism:
         self, coordinates: ArrayLike, name: str, *, exaggerate: float = 1.0
     ) -> NDArray[np.float64]: ...
     def to_model(
-        self, format: Literal["mjcf", "sdf", "urdf"], at: dict[str, float] | None = None
+        self,
+        format: Literal["mjcf", "modelica", "sdf", "urdf"],
+        at: dict[str, float] | None = None,
     ) -> SimulatorModel: ...
     def to_fmu(
         self,
