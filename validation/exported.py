@@ -2,8 +2,10 @@
 
 Exports the example cell's motion with the `jointplay` command, and reads it back by the glTF validator, the MCAP
 reader with its decoder for ROS 2, and Arrow's reader of Parquet; what they read is compared with the CSV.
-In the same environment it runs `distances.py`, which compares the collision check with another library, and
-`simulators.py`, which compares exported mechanisms with MuJoCo and animated parts with the poses of their links.
+In the same environment it runs `cell_poses.py`, which compares poses in tables with the scene and a
+chain, `distances.py`, which compares the collision check with another library, and
+`simulators.py`, which compares exported mechanisms with MuJoCo and with a compiler of Modelica, and animated parts with
+the poses of their links.
 Everything that it makes and downloads is in `target/cell`.
 
 Run by `cargo xtask cell`; with `--prepare` it only fetches those readers.
@@ -30,6 +32,8 @@ PACKAGES = [
     "mujoco==4.0.0",
     "numpy==2.2.6",
     "pyarrow==26.0.1",
+    "pymoca==0.12.0",
+    "rumoca==0.10.2",
 ]
 VALIDATOR = "gltf-validator@2.0.0-dev.3.10"
 RATE = 50
@@ -178,6 +182,10 @@ def main() -> None:
         line += ["--rate", str(RATE), "--out", folder]
         report = json.loads(run([*line, "--format", "json"]))
         print(run([python, __file__, "--inside", folder]), end="")
+        poses = Path(temporary) / "poses"
+        line = [command, "cell", "export", "example", program, "--to", "csv,gltf", "--rate", "32", "--out", poses]
+        run([*line, "--poses"])
+        print(run([python, Path(__file__).with_name("cell_poses.py"), poses]), end="")
         duration = report["duration_s"]
         with (folder / "example.csv").open() as file:
             same("the last row of the CSV", float(file.readlines()[-1].split(",")[0]), duration, 0.0)

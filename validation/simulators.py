@@ -21,6 +21,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import couplings
+import modelica
 import mujoco
 import numpy as np
 
@@ -366,5 +367,6 @@ def check(command: str, validate: Callable[[Path], dict]) -> None:
         check_page(command, folder)
         check_catalogue(command, folder)
         couplings.check(command, folder)
+        modelica.check(command, folder)
         check_parts(command, folder, validate)
         check_step(command, folder, validate)

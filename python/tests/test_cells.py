@@ -57,6 +57,23 @@ def test_a_table_has_the_chosen_columns_of_the_window():
         PLAN.table(from_s=2.0, to_s=1.0)
 
 
+def test_poses_of_links_are_those_of_the_table():
+    window = {"rate_hz": 50.0, "from_s": 1.0, "to_s": 2.0}
+    table = PLAN.table(["time", "poses"], **window)
+    for name in ("q1", "platform", "upper link 1", "lower link 4", "A"):
+        poses = PLAN.link_poses(name, **window)
+        assert poses.shape == (51, 4, 4)
+        origins = np.stack([table[f"{name}_{axis}_mm"] for axis in "xyz"], axis=1)
+        np.testing.assert_allclose(1e3 * poses[:, :3, 3], origins, rtol=0, atol=1e-9)
+        w, x, y, z = (table[f"{name}_q{part}"] for part in "wxyz")
+        np.testing.assert_allclose(poses[:, 2, 2], w * w - x * x - y * y + z * z, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(poses[:, 1, 0], 2 * (x * y + z * w), rtol=0, atol=1e-12)
+        assert (poses[:, 3] == [0, 0, 0, 1]).all()
+    assert table["virtual_displacement_um"].max() < 60
+    with pytest.raises(jp.InputError, match="did you mean `upper link 1`"):
+        PLAN.link_poses("upper link")
+
+
 def test_a_station_elsewhere_changes_the_plan_and_keeps_the_text():
     # Along the radius of LP1: the arm extends less.
     durations = []

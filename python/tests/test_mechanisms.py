@@ -636,6 +636,7 @@ def test_motions_and_models_are_exported(tmp_path, ask):
     model = mechanism.to_model("urdf", {"rod 1": 0.001})
     assert model.text.startswith("<?xml") and 'kind = "loops"' in model.loops and model.lost
     assert mechanism.to_model("mjcf").loops is None
+    assert mechanism.to_model("modelica").text.startswith("package GPROfThePaperAsAMechanism ")
     written = ask("export", "gpr-mechanism", "--to", "sdf", "--out", str(tmp_path / "models"))
     (file,) = written["exports"][0]["files"]
     assert Path(file).read_text() == mechanism.to_model("sdf").text

@@ -14,6 +14,7 @@ mod mechanism_export;
 #[path = "../../jointplay-format/tests/message_words.rs"]
 mod message_words;
 mod messages;
+mod modelica_text;
 mod parts;
 mod peaks;
 mod planned;

@@ -10,18 +10,28 @@ use jointplay_core::spatial::Pose;
 use jointplay_format::catalogue;
 use jointplay_format::mechanism;
 use jointplay_format::mechanism::with_loops;
-use jointplay_interop::export::mechanism::{Error, Written, mjcf, sdf, urdf};
+use jointplay_interop::export::mechanism::{Error, Written, mjcf, modelica, sdf, urdf};
 use jointplay_interop::import::{Imported, parse, parse_closed};
 use nalgebra::{DMatrix, DVector, Rotation3, Translation3, Unit, Vector3};
 use proptest::prelude::*;
 
+use crate::modelica_text;
+
 type Write = fn(&Mechanism, &DVector<f64>) -> Result<Written, Error>;
 
-const FORMATS: [(&str, Write); 3] = [("MJCF", mjcf), ("SDF", sdf), ("URDF", urdf)];
+const FORMATS: [(&str, Write); 4] =
+    [("MJCF", mjcf), ("Modelica", modelica_package), ("SDF", sdf), ("URDF", urdf)];
+
+fn modelica_package(mechanism: &Mechanism, at: &DVector<f64>) -> Result<Written, Error> {
+    modelica(mechanism, at, "Package")
+}
 
 /// Reads the files of an export; what is read can be saved as a mechanism file.
 fn read(written: &Written) -> Mechanism {
     let Written { text, loops, .. } = written;
+    if text.starts_with("package ") {
+        return modelica_text::read(text);
+    }
     let imported = match loops {
         None => parse(text).map_err(|error| format!("{}\n{text}", error.with_excerpt("written"))),
         Some(loops) => {
@@ -389,7 +399,7 @@ coupling = [{{ name = "{name}", coordinate = "wheel", terms = [{{ coordinate = "
         for name in ["teeth", "mimic of wheel"] {
             let original = coupled(name);
             let written = write(&original, &guess(&original)).unwrap();
-            let found = parse(&written.text).unwrap().mechanism;
+            let found = read(&written);
             let is_kept = found.couplings()[0].name == name;
             let report = format!("name of the coupling {name:?}");
             assert_eq!(!is_kept, written.lost.contains(&report), "{format}: {:?}", written.lost);
@@ -468,6 +478,8 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
     let at = guess(&held);
     let found = check("MJCF", &held, &at, &mjcf(&held, &at).unwrap());
     assert!((found.couplings()[0].offset - f64::to_radians(20.0)).abs() < 1e-12);
+    let found = check("Modelica", &held, &at, &modelica_package(&held, &at).unwrap());
+    assert!((found.couplings()[0].offset - f64::to_radians(20.0)).abs() < 1e-12);
     let found = check("URDF", &held, &at, &urdf(&held, &at).unwrap());
     assert_eq!(found.couplings()[0].terms, []);
     let three = coupled(
@@ -475,6 +487,8 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
     );
     let at = assemble(&three, &guess(&three), &[], 30).unwrap().coordinates;
     let found = check("MJCF", &three, &at, &mjcf(&three, &at).unwrap());
+    let in_modelica = check("Modelica", &three, &at, &modelica_package(&three, &at).unwrap());
+    assert_eq!(in_modelica.couplings()[0].terms.len(), 2);
     let [sum] = found.couplings() else { panic!("{found:?}") };
     let ratios: Vec<f64> = sum.terms.iter().map(|&(_, ratio)| ratio).collect();
     assert_eq!(ratios, [1.0, 1.0]);
@@ -627,7 +641,7 @@ fn joints_that_end_at_the_world_and_frames_of_it_are_read_again() {
 }
 
 #[test]
-fn a_screw_is_kept_by_sdf_and_refused_by_others() {
+fn a_screw_is_kept_by_modelica_and_sdf_and_refused_by_others() {
     let screw = |pitch: f64| {
         let joint = Joint {
             name: "spindle".to_owned(),
@@ -644,14 +658,16 @@ fn a_screw_is_kept_by_sdf_and_refused_by_others() {
     };
     let press = screw(0.002);
     let at = DVector::from_element(1, 0.5);
-    let written = sdf(&press, &at).unwrap();
-    let found = check("SDF", &press, &at, &written);
-    let spindle = &found.joints()[found.joint("spindle").unwrap()];
-    let JointKind::Helical { lead } = spindle.kind else { panic!("{:?}", spindle.kind) };
-    assert!((lead - 0.002).abs() < 1e-15 && spindle.actuated);
-    for (format, write) in [FORMATS[0], FORMATS[2]] {
-        let error = write(&press, &at).unwrap_err().to_string();
-        assert!(error.contains("spindle") && error.contains("helical"), "{format}: {error}");
+    for (format, write) in FORMATS {
+        if ["MJCF", "URDF"].contains(&format) {
+            let error = write(&press, &at).unwrap_err().to_string();
+            assert!(error.contains("spindle") && error.contains("helical"), "{format}: {error}");
+            continue;
+        }
+        let found = check(format, &press, &at, &write(&press, &at).unwrap());
+        let spindle = &found.joints()[found.joint("spindle").unwrap()];
+        let JointKind::Helical { lead } = spindle.kind else { panic!("{:?}", spindle.kind) };
+        assert!((lead - 0.002).abs() < 1e-15 && spindle.actuated, "{format}");
     }
 }
 

@@ -4,10 +4,11 @@ use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
 use jointplay_interop::export::{
-    Error, MotionExport, SampleOptions, samples, samples_in_parts, samples_with, select_columns,
+    Error, MotionExport, SampleOptions, frame_poses, samples, samples_in_parts, samples_with,
+    select_columns,
 };
 use jointplay_report::table::{Column, Values};
-use nalgebra::UnitQuaternion;
+use nalgebra::{Quaternion, UnitQuaternion};
 use proptest::prelude::*;
 
 use crate::planned::{example, planned};
@@ -142,6 +143,55 @@ fn the_default_table_is_the_group_of_that_name() {
     }
 }
 
+#[test]
+fn poses_of_frames_are_those_of_the_robot_with_quaternions_that_do_not_jump() {
+    let (cell, motion) = example_motion();
+    let motion_export = motion_export(&cell, &motion);
+    let table = options(&cell, 50.0, &["time", "poses"]);
+    let columns = samples_with(&motion_export, &table).unwrap();
+    let ends = columns.iter().filter_map(|column| column.name.strip_suffix("_qw"));
+    let frames: Vec<&str> = ends.collect();
+    assert_eq!(frames.len(), 3 + 1 + 2 * 4 + 2, "{frames:?}");
+    assert_eq!(columns.len(), 2 + 7 * frames.len());
+    let times = real(&columns, "time_s").to_vec();
+    let mut below_zero = 0;
+    for name in frames {
+        let poses = frame_poses(&motion_export, name, &table).unwrap();
+        assert_eq!(poses.len(), times.len());
+        let mut last: Option<UnitQuaternion<f64>> = None;
+        for (k, pose) in poses.iter().enumerate() {
+            for (axis, value) in ["x", "y", "z"].iter().zip(pose.translation.vector.iter()) {
+                let shown = real(&columns, &format!("{name}_{axis}_mm"))[k];
+                assert!((shown - 1e3 * value).abs() < 1e-9, "{name} {axis} {k}");
+            }
+            let [w, x, y, z] =
+                ["w", "x", "y", "z"].map(|part| real(&columns, &format!("{name}_q{part}"))[k]);
+            let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+            let off = turn.to_rotation_matrix().matrix() - pose.rotation.matrix();
+            assert!(off.amax() < 1e-12, "{name} {k}");
+            match last {
+                None => assert!(w >= 0.0, "{name}"),
+                Some(last) => assert!(turn.coords.dot(&last.coords) > 0.5, "{name} {k}"),
+            }
+            below_zero += usize::from(w < 0.0);
+            last = Some(turn);
+        }
+    }
+    // Effectors and links turn so far that a sign by w ≥ 0 would jump.
+    assert!(below_zero > 0);
+    let k = times.len() / 2;
+    let sample = motion.sample_at(times[k]);
+    let carried = &motion.steps[sample.step].loaded;
+    let pose = cell.forward_with_deflection(&sample.positions, carried).unwrap();
+    let poses = frame_poses(&motion_export, "lower link 4", &table).unwrap();
+    assert_eq!(poses[k], pose.base_from_link[1][3]);
+    let rod = frame_poses(&motion_export, "q2", &table).unwrap()[k];
+    assert_eq!(rod.translation.z, sample.positions[1]);
+    let error = frame_poses(&motion_export, "uper link 1", &table).unwrap_err();
+    let message = error.to_string();
+    assert!(message.contains("did you mean `upper link 1`"), "{message}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
@@ -153,7 +203,7 @@ proptest! {
         let (cell, motion) = &*PLANNED;
         let motion_export = motion_export(cell, motion);
         let [from, to] = [ends.0.min(ends.1), ends.0.max(ends.1)].map(|part| part * motion.duration());
-        let whole = options(cell, rate, &["time", "tilt", "B_x", "B_speed", "program"]);
+        let whole = options(cell, rate, &["time", "tilt", "B_x", "B_speed", "program", "poses"]);
         let window = SampleOptions { window: Some([from, to]), ..whole.clone() };
         let mut expected = samples_with(&motion_export, &whole).unwrap();
         let times = real(&expected, "time_s").to_vec();

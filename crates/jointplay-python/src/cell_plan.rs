@@ -10,7 +10,7 @@ use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
 use jointplay::interop::export::{self, MotionExport, SampleOptions, ViolationNote};
 use jointplay::report;
 use jointplay::report::table::{Column, Values};
-use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _};
+use numpy::{IntoPyArray as _, PyArray1, PyArray3, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString};
 
@@ -50,6 +50,20 @@ impl PyCellPlan {
             program: &self.program,
             violation_notes: &self.violation_notes,
         }
+    }
+
+    /// Rows of a table with a number of columns.
+    fn rows(
+        &self,
+        py: Python<'_>,
+        rate_hz: f64,
+        [from_s, to_s]: [Option<f64>; 2],
+        width: usize,
+    ) -> PyResult<SampleOptions> {
+        let duration = self.motion.duration();
+        let window = [from_s.unwrap_or(0.0), to_s.unwrap_or(duration)];
+        check_size(py, (window[1].min(duration) - window[0]) * rate_hz * width as f64)?;
+        Ok(SampleOptions { window: Some(window), ..SampleOptions::at_rate(rate_hz) })
     }
 
     /// Refuses to export a program with violations unasked.
@@ -196,12 +210,9 @@ impl PyCellPlan {
         let input = |error: export::Error| errors::input(py, &error.to_string());
         let columns = columns.map(|names| export::select_columns(&self.cell, &names));
         let columns = columns.transpose().map_err(input)?;
-        let duration = self.motion.duration();
-        let window = [from_s.unwrap_or(0.0), to_s.unwrap_or(duration)];
         let width = export::sample_columns(&self.cell).len();
         let width = columns.as_ref().map_or(width, Vec::len);
-        check_size(py, (window[1].min(duration) - window[0]) * rate_hz * width as f64)?;
-        let options = SampleOptions { rate: rate_hz, peaks: false, window: Some(window), columns };
+        let options = SampleOptions { columns, ..self.rows(py, rate_hz, [from_s, to_s], width)? };
         let table = py.detach(|| export::samples_with(&self.motion_export(), &options));
         let arrays = PyDict::new(py);
         for Column { name, values } in table.map_err(input)? {
@@ -211,6 +222,40 @@ impl PyCellPlan {
             }
         }
         Ok(arrays)
+    }
+
+    /// Poses of a frame of the robot in the base frame, `base_from_frame`, deflection of arms and displacements of virtual joints included.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Name of a rod, `platform`, name of a link such as `upper link 1`, or of an effector, whose frame is that of its wafer; an unknown name lists all of them.
+    /// rate_hz : float
+    ///     Number of samples a second.
+    /// from_s, to_s : float, optional
+    ///     First and last time; the whole trajectory by default.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     Homogeneous transforms at the times of `table`, shape (n, 4, 4) [m].
+    #[pyo3(signature = (name, *, rate_hz=100.0, from_s=None, to_s=None))]
+    fn link_poses<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        rate_hz: f64,
+        from_s: Option<f64>,
+        to_s: Option<f64>,
+    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let options = self.rows(py, rate_hz, [from_s, to_s], 16)?;
+        let poses = py.detach(|| export::frame_poses(&self.motion_export(), name, &options));
+        let poses = poses.map_err(|error| errors::input(py, &error.to_string()))?;
+        let numbers = poses.iter().flat_map(|pose| {
+            let matrix = pose.to_homogeneous();
+            (0..16).map(move |k| matrix[(k / 4, k % 4)])
+        });
+        numbers.collect::<Vec<f64>>().into_pyarray(py).reshape([poses.len(), 4, 4])
     }
 
     /// The animated 3D scene of the cell as a binary glTF file.

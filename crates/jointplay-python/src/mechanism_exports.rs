@@ -1,9 +1,10 @@
 //! Exports of mechanisms: models of simulators, and animated 3D scenes.
 
-use jointplay::interop::export::mechanism::{self, Error, Written};
+use jointplay::interop::export::mechanism::{self, Error, Written, modelica_class};
 use jointplay::interop::export::{
     self, AnimatedParts, MechanismMotion, PartTable, PartsFile, UpAxis,
 };
+use jointplay::mechanism::Mechanism;
 use jointplay::nalgebra::DVector;
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -21,7 +22,7 @@ impl PyMechanism {
     /// Parameters
     /// ----------
     /// format : str
-    ///     `'mjcf'` for MuJoCo, `'sdf'` for Gazebo or `'urdf'` for ROS.
+    ///     `'mjcf'` for MuJoCo, `'sdf'` for Gazebo, `'urdf'` for ROS or `'modelica'`.
     /// at : dict of str to float
     ///     Commanded coordinates of the reference configuration (m, rad).
     ///
@@ -38,10 +39,13 @@ impl PyMechanism {
     ) -> PyResult<Bound<'py, PyAny>> {
         let write = match format {
             "mjcf" => mechanism::mjcf,
+            "modelica" => |mechanism: &Mechanism, coordinates: &DVector<f64>| {
+                mechanism::modelica(mechanism, coordinates, &modelica_class(mechanism.name()))
+            },
             "sdf" => mechanism::sdf,
             "urdf" => mechanism::urdf,
             _ => {
-                let known = ["mjcf", "sdf", "urdf"].map(str::to_owned);
+                let known = ["mjcf", "modelica", "sdf", "urdf"].map(str::to_owned);
                 return Err(errors::unknown_name(py, "format", format, &known));
             }
         };

@@ -480,7 +480,9 @@ class Mechanism:
         self, coordinates: ArrayLike, name: str, *, exaggerate: float = 1.0
     ) -> NDArray[np.float64]: ...
     def to_model(
-        self, format: Literal["mjcf", "sdf", "urdf"], at: dict[str, float] | None = None
+        self,
+        format: Literal["mjcf", "modelica", "sdf", "urdf"],
+        at: dict[str, float] | None = None,
     ) -> SimulatorModel: ...
     def to_fmu(
         self,
@@ -572,6 +574,14 @@ class CellPlan:
         from_s: float | None = None,
         to_s: float | None = None,
     ) -> dict[str, NDArray[Any]]: ...
+    def link_poses(
+        self,
+        name: str,
+        *,
+        rate_hz: float = 100.0,
+        from_s: float | None = None,
+        to_s: float | None = None,
+    ) -> NDArray[np.float64]: ...
     def gltf(self, *, rate_hz: float = 60.0, despite_errors: bool = False) -> bytes: ...
     def controller_text(
         self,

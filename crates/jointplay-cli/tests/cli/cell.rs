@@ -700,6 +700,13 @@ fn a_window_has_the_rows_of_the_whole_table_in_chosen_columns() {
     }
     let listed = sandbox.done("cell export example.toml --columns list");
     assert!(whole[0].iter().all(|name| listed.contains(name)));
+    // Poses follow the default columns, alone in a table.
+    sandbox.done("cell export example.toml --poses --rate 20 --out poses");
+    assert_eq!(sandbox.names("poses"), ["example.csv"]);
+    let header = &records("poses")[0];
+    assert_eq!(header[..3], ["time_s", "line", "step"]);
+    let poses = header.iter().filter(|name| name.ends_with("_qw")).count();
+    assert_eq!(poses, 3 + 1 + 2 * 4 + 2, "{header:?}");
 }
 
 #[test]
@@ -714,6 +721,7 @@ fn windows_and_columns_that_do_not_exist_are_refused_with_what_is_allowed() {
         ("--from-s 1.001 --to-s 1.002", "no sample at 100 Hz is between 1.001 s and 1.002 s"),
         ("--to-s 1 --to gltf", "--to gltf always has the whole motion"),
         ("--columns time --to gltf", "--to names no table"),
+        ("--poses --to gltf", "--poses adds columns of tables, but --to names no table"),
     ] {
         let run = sandbox.run(&format!("cell export example.toml {options}"));
         assert_ne!(run.code, 0, "{options}");

@@ -42,6 +42,30 @@ fn models_are_written_and_read_again() {
 }
 
 #[test]
+fn packages_in_modelica_have_the_name_of_their_file() {
+    let sandbox = Sandbox::new();
+    let found = sandbox.json("export gpr-mechanism --to modelica --out models");
+    assert_eq!(found["exports"][0]["format"], "Modelica");
+    assert_eq!(found["exports"][0]["files"][0], "models/GprMechanism.mo");
+    let text = sandbox.read("models/GprMechanism.mo");
+    assert!(text.starts_with("package GprMechanism \""), "{text}");
+    assert!(text.ends_with("end GprMechanism;\n"), "{text}");
+    assert!(
+        text.contains("    RealInput drive_rod_1(start = 0, min = -0.254, max = 0.254"),
+        "{text}"
+    );
+    // Names that no class can have.
+    let mechanism = include_str!("../../../jointplay-format/robots/four-bar.toml");
+    for (file, class) in [("2 bars.toml", "M2Bars"), ("real.toml", "MReal"), ("ü.toml", "M")] {
+        sandbox.write(file, mechanism);
+        let run = sandbox.run(&format!("export \"{file}\" --to modelica --out {class}"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let text = sandbox.read(&format!("{class}/{class}.mo"));
+        assert!(text.starts_with(&format!("package {class} ")), "{text}");
+    }
+}
+
+#[test]
 fn a_scene_needs_its_format_and_its_folder() {
     let sandbox = Sandbox::new();
     let motion = "move four-bar --drive A=0:90 --steps 4";

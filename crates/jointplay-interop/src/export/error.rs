@@ -86,6 +86,20 @@ pub enum Error {
         /// All columns.
         columns: String,
     },
+    /// A name that no frame of the robot has.
+    #[error(
+        "frame `{found}` is not known{}\nframes: {}",
+        suggestion(nearest),
+        known.join(", ")
+    )]
+    UnknownFrame {
+        /// The name found.
+        found: String,
+        /// The most similar known name.
+        nearest: Option<String>,
+        /// Names of rods, platform, links and effectors.
+        known: Vec<String>,
+    },
     /// The pose of the robot is unknown at a sample.
     #[error("the pose of the robot at {time:.3} s cannot be computed: {source}")]
     Placing {

@@ -45,9 +45,9 @@ pub use motion_export::{MOST_SAMPLES, MotionExport};
 pub use pictures::{PictureError, postures_view, taught_planes, timing_diagram, top_view};
 pub use report_page::report_page;
 pub use sample_columns::{
-    COLUMN_GROUPS, DEFAULT_COLUMNS, SampleColumn, sample_columns, select_columns,
+    COLUMN_GROUPS, DEFAULT_COLUMNS, POSE_COLUMNS, SampleColumn, sample_columns, select_columns,
 };
-pub use samples::{SampleOptions, samples, samples_in_parts, samples_with, tracks};
+pub use samples::{SampleOptions, frame_poses, samples, samples_in_parts, samples_with, tracks};
 pub use scene::{Frame, frames};
 pub use solidworks::{MACRO, loader, motor, motors, solidworks, solidworks_names};
 pub use timeline::{Envelope, HeldAt, Timeline, Window, wafers_at_start};

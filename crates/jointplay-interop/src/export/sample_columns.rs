@@ -1,7 +1,9 @@
 //! Columns of the table of samples, chosen by name or group.
 
-use jointplay_cell::robot::{AxisKind, EffectorId};
+use jointplay_cell::EntityId;
+use jointplay_cell::robot::{AxisKind, ChainPose, EffectorId, RODS};
 use jointplay_cell::workcell::Cell;
+use jointplay_core::spatial::Pose;
 use jointplay_format::place::nearest;
 
 use super::error::Error;
@@ -28,11 +30,17 @@ pub(super) enum Quantity {
         axis: usize,
         derivative: Derivative,
     },
-    Platform(FrameQuantity),
-    Wafer {
-        effector: EffectorId,
+    Frame {
+        frame: RobotFrame,
         quantity: FrameQuantity,
     },
+    /// A part of the unit quaternion w, x, y, z of a frame.
+    Quaternion {
+        frame: RobotFrame,
+        part: usize,
+    },
+    /// Displacement of the virtual joints of the platform.
+    VirtualDisplacement,
     Speed(EffectorId),
     Acceleration(EffectorId),
     Loaded(EffectorId),
@@ -41,6 +49,48 @@ pub(super) enum Quantity {
     /// Share of the available friction that a held wafer needs.
     FrictionShare(EffectorId),
     Violations,
+}
+
+/// Frame that moves with the robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum RobotFrame {
+    Rod(usize),
+    Platform,
+    Link { arm: usize, link: usize },
+    Wafer(EffectorId),
+}
+
+impl RobotFrame {
+    /// Its pose in the base frame.
+    pub(super) fn of(self, cell: &Cell, pose: &ChainPose) -> Pose {
+        match self {
+            Self::Rod(k) => {
+                let base = cell.robot.gpr.base_points()[k];
+                Pose::translation(base.x, base.y, pose.platform.rods[k])
+            }
+            Self::Platform => pose.platform.base_from_platform,
+            Self::Link { arm, link } => pose.base_from_link[arm][link],
+            Self::Wafer(EffectorId { arm, effector }) => pose.base_from_wafer[arm][effector],
+        }
+    }
+}
+
+/// Frames of a robot with their names: rods, platform, links, then effectors with the frames of their wafers.
+pub(super) fn robot_frames(cell: &Cell) -> Vec<(String, RobotFrame)> {
+    let robot = &cell.robot;
+    let rods = (0..RODS).map(|k| (robot.axes[k].name.clone(), RobotFrame::Rod(k)));
+    let platform = std::iter::once(("platform".to_owned(), RobotFrame::Platform));
+    let links = robot.arms.iter().enumerate().flat_map(|(arm, described)| {
+        let links = 0..described.joints.len();
+        links.map(move |link| {
+            let name = cell.entity_name(EntityId::Link { arm, link });
+            (name, RobotFrame::Link { arm, link })
+        })
+    });
+    let wafers = robot
+        .effectors()
+        .map(|id| (cell.entity_name(EntityId::Effector(id)), RobotFrame::Wafer(id)));
+    rods.chain(platform).chain(links).chain(wafers).collect()
 }
 
 /// Derivative of the position of an axis.
@@ -67,8 +117,11 @@ pub(super) enum FrameQuantity {
 /// Group of the columns of a table without a choice.
 pub const DEFAULT_COLUMNS: &str = "default";
 
+/// Group of the columns of poses.
+pub const POSE_COLUMNS: &str = "poses";
+
 /// Groups with their meaning; in addition, the name of each axis, effector and column without its unit is a group.
-pub const COLUMN_GROUPS: [(&str, &str); 18] = [
+pub const COLUMN_GROUPS: [(&str, &str); 19] = [
     (DEFAULT_COLUMNS, "columns without --columns"),
     ("all", "all columns"),
     ("time", "time"),
@@ -80,6 +133,10 @@ pub const COLUMN_GROUPS: [(&str, &str); 18] = [
     ("jerks", "jerk of each axis"),
     ("platform", "origin, torsion and tilt of the platform"),
     ("wafers", "all columns of all effectors"),
+    (
+        POSE_COLUMNS,
+        "poses of rods, platform, links and wafers on effectors in the base frame: origin, and unit quaternion; and the displacement of the virtual joints",
+    ),
     ("x", "x of each wafer centre"),
     ("y", "y of each wafer centre"),
     ("z", "z of each wafer centre"),
@@ -118,12 +175,21 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
             columns.push(column(&format!("{name}_{unit}{suffix}"), &meaning, &groups, quantity));
         }
     }
+    let frames = robot_frames(cell);
+    for (name, frame) in &frames {
+        if matches!(frame, RobotFrame::Rod(_)) {
+            columns.extend(pose_columns(name, &format!("rod {name}"), *frame));
+        }
+    }
     let platform = FrameTerms { name: "platform", what: "platform", rotation: "torsion" };
-    let of_platform = |coordinate| {
+    let of_platform = |coordinate| match coordinate {
+        "x" | "y" | "z" => vec!["platform", POSE_COLUMNS],
         // The groups of one coordinate concern wafers.
-        if coordinate == "tilt" { vec!["platform", "tilt"] } else { vec!["platform"] }
+        "tilt" => vec!["platform", "tilt"],
+        _ => vec!["platform"],
     };
-    columns.extend(frame_columns(&platform, of_platform, Quantity::Platform));
+    columns.extend(frame_columns(&platform, of_platform, RobotFrame::Platform));
+    columns.extend(quaternion_columns("platform", "platform", &[], RobotFrame::Platform));
     let meaning = "tilt of the platform, as a share of its limit";
     columns.push(column(
         "platform_tilt_percent",
@@ -131,6 +197,17 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
         &["budgets", "platform"],
         Quantity::TiltShare,
     ));
+    columns.push(column(
+        "virtual_displacement_um",
+        "displacement of the virtual joints of the platform",
+        &[POSE_COLUMNS],
+        Quantity::VirtualDisplacement,
+    ));
+    for (name, frame) in &frames {
+        if matches!(frame, RobotFrame::Link { .. }) {
+            columns.extend(pose_columns(name, &format!("link {name}"), *frame));
+        }
+    }
     for effector in cell.robot.effectors() {
         let name = &cell.robot.arms[effector.arm].effectors[effector.effector].name;
         let what = format!("wafer on {name}");
@@ -138,12 +215,13 @@ pub fn sample_columns(cell: &Cell) -> Vec<SampleColumn> {
         let of_wafer = |coordinate| {
             let mut groups = vec!["wafers", name, coordinate];
             if ["x", "y", "z"].contains(&coordinate) {
-                groups.push(DEFAULT_COLUMNS);
+                groups.extend([DEFAULT_COLUMNS, POSE_COLUMNS]);
             }
             groups
         };
-        let quantity = |quantity| Quantity::Wafer { effector, quantity };
-        columns.extend(frame_columns(&wafer, of_wafer, quantity));
+        let frame = RobotFrame::Wafer(effector);
+        columns.extend(frame_columns(&wafer, of_wafer, frame));
+        columns.extend(quaternion_columns(name, &what, &["wafers", name], frame));
         for (end, unit, meaning, quantity) in [
             ("speed", "_mm_per_s", "speed of the centre of the", Quantity::Speed(effector)),
             (
@@ -202,7 +280,7 @@ struct FrameTerms<'n> {
 fn frame_columns<'g>(
     &FrameTerms { name, what, rotation }: &FrameTerms<'_>,
     groups: impl Fn(&'static str) -> Vec<&'g str>,
-    quantity: impl Fn(FrameQuantity) -> Quantity,
+    frame: RobotFrame,
 ) -> Vec<SampleColumn> {
     let columns = [
         ("x", "mm", "x", "x of the centre", FrameQuantity::X),
@@ -215,12 +293,45 @@ fn frame_columns<'g>(
     let frame_column = |(end, unit, coordinate, meaning, kind)| {
         let short = format!("{name}_{end}");
         let meaning = format!("{meaning} of the {what}");
-        let mut one =
-            column(&format!("{short}_{unit}"), &meaning, &groups(coordinate), quantity(kind));
+        let quantity = Quantity::Frame { frame, quantity: kind };
+        let mut one = column(&format!("{short}_{unit}"), &meaning, &groups(coordinate), quantity);
         one.groups.push(short);
         one
     };
     columns.into_iter().map(frame_column).collect()
+}
+
+/// The columns of the pose of a frame without other columns: origin, and unit quaternion.
+fn pose_columns(name: &str, what: &str, frame: RobotFrame) -> Vec<SampleColumn> {
+    let axes =
+        [("x", FrameQuantity::X), ("y", FrameQuantity::Y), ("z", FrameQuantity::Z)].into_iter();
+    let origin = axes.map(|(axis, quantity)| {
+        let meaning = format!("{axis} of the origin of the {what}");
+        let quantity = Quantity::Frame { frame, quantity };
+        let mut one = column(&format!("{name}_{axis}_mm"), &meaning, &[POSE_COLUMNS], quantity);
+        one.groups.push(format!("{name}_{axis}"));
+        one
+    });
+    origin.chain(quaternion_columns(name, what, &[], frame)).collect()
+}
+
+/// The columns of the unit quaternion of a frame.
+///
+/// # Arguments
+/// * `groups` – groups other than that of poses
+fn quaternion_columns(
+    name: &str,
+    what: &str,
+    groups: &[&str],
+    frame: RobotFrame,
+) -> Vec<SampleColumn> {
+    let groups = [groups, &[POSE_COLUMNS]].concat();
+    let quaternion_column = |(part, letter): (usize, &str)| {
+        let meaning = format!("{letter} of the unit quaternion of the {what}");
+        let quantity = Quantity::Quaternion { frame, part };
+        column(&format!("{name}_q{letter}"), &meaning, &groups, quantity)
+    };
+    ["w", "x", "y", "z"].into_iter().enumerate().map(quaternion_column).collect()
 }
 
 /// The columns of names and groups, in their order, each once.

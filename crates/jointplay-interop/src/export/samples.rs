@@ -4,14 +4,16 @@ use std::f64::consts::PI;
 
 use jointplay_cell::robot::{AxesMotion, AxisKind, ChainPose, EffectorId, FrameMotion};
 use jointplay_cell::trajectory::Sample;
-use jointplay_core::spatial::{Pose, Tilt, heading};
+use jointplay_core::spatial::{Pose, Tilt, continued_quaternion, heading};
 
 use super::error::Error;
 use super::motion_export::MotionExport;
 use super::sample_columns::{
-    DEFAULT_COLUMNS, Derivative, FrameQuantity, Quantity, SampleColumn, sample_columns,
+    DEFAULT_COLUMNS, Derivative, FrameQuantity, Quantity, RobotFrame, SampleColumn, robot_frames,
+    sample_columns,
 };
-use jointplay_format::units::{deg, mm};
+use jointplay_format::place::nearest;
+use jointplay_format::units::{deg, mm, um};
 use jointplay_report::table::{Column, Values};
 
 /// Rows and columns of a table of samples.
@@ -54,8 +56,10 @@ pub fn samples_with(
     motion_export: &MotionExport<'_>,
     options: &SampleOptions,
 ) -> Result<Vec<Column>, Error> {
-    let table = Table::new(motion_export, options);
-    table.rows(times(motion_export, options)?)
+    let mut table = Table::new(motion_export, options);
+    let times = times(motion_export, options)?;
+    table.continue_quaternions(options)?;
+    table.rows(times)
 }
 
 /// Number of rows that are kept in memory.
@@ -73,8 +77,9 @@ pub fn samples_in_parts<E: From<Error>>(
     options: &SampleOptions,
     mut take: impl FnMut(&[Column]) -> Result<(), E>,
 ) -> Result<(), E> {
-    let table = Table::new(motion_export, options);
+    let mut table = Table::new(motion_export, options);
     let mut times = times(motion_export, options)?.peekable();
+    table.continue_quaternions(options)?;
     if let (None, Some([from, to])) = (times.peek(), options.window) {
         return Err(Error::NoSamples { rate: options.rate, from, to }.into());
     }
@@ -82,6 +87,34 @@ pub fn samples_in_parts<E: From<Error>>(
         take(&table.rows(times.by_ref().take(PART))?)?;
     }
     Ok(())
+}
+
+/// Poses of a frame of the robot in the base frame at the rows of a table: `base_from_frame`.
+///
+/// # Arguments
+/// * `name` – name of a rod, `platform`, name of a link such as `upper link 1`, or of an effector, whose frame is that of its wafer
+/// * `options` – columns are ignored
+///
+/// # Errors
+/// [`Error::UnknownFrame`], and those of [`samples_with`].
+pub fn frame_poses(
+    motion_export: &MotionExport<'_>,
+    name: &str,
+    options: &SampleOptions,
+) -> Result<Vec<Pose>, Error> {
+    let cell = motion_export.cell;
+    let frames = robot_frames(cell);
+    let Some((_, frame)) = frames.iter().find(|(known, _)| known == name) else {
+        let known: Vec<String> = frames.into_iter().map(|(name, _)| name).collect();
+        let nearest = nearest(name, known.iter().map(String::as_str));
+        return Err(Error::UnknownFrame { found: name.to_owned(), nearest, known });
+    };
+    let pose = |time: f64| {
+        let sample = motion_export.motion.sample_at(time);
+        let loaded = loaded(motion_export, sample.step);
+        Ok(frame.of(cell, &placed(motion_export, time, &sample.positions, loaded)?))
+    };
+    times(motion_export, options)?.map(pose).collect()
 }
 
 /// Times of the rows of a table.
@@ -112,6 +145,8 @@ struct Table<'a> {
     columns: Vec<SampleColumn>,
     /// Whether a column needs the poses of the robot.
     has_poses: bool,
+    /// Frames whose quaternion is in columns, with that of the last row.
+    quaternions: Vec<(RobotFrame, Option<[f64; 4]>)>,
 }
 
 /// The state of the cell at one time.
@@ -136,15 +171,48 @@ impl<'a> Table<'a> {
         let poses = |column: &SampleColumn| {
             matches!(
                 column.quantity,
-                Quantity::Platform(_) | Quantity::TiltShare | Quantity::Wafer { .. }
+                Quantity::Frame { .. }
+                    | Quantity::Quaternion { .. }
+                    | Quantity::VirtualDisplacement
+                    | Quantity::TiltShare
             )
         };
         let has_poses = columns.iter().any(poses);
-        Self { motion_export, columns, has_poses }
+        let mut quaternions: Vec<(RobotFrame, Option<[f64; 4]>)> = Vec::new();
+        for column in &columns {
+            if let Quantity::Quaternion { frame, .. } = column.quantity
+                && quaternions.iter().all(|(other, _)| *other != frame)
+            {
+                quaternions.push((frame, None));
+            }
+        }
+        Self { motion_export, columns, has_poses, quaternions }
+    }
+
+    /// Follows the signs of quaternions to the start of a window, so that they are those of the whole table.
+    fn continue_quaternions(&mut self, options: &SampleOptions) -> Result<(), Error> {
+        if let (Some([from, _]), false) = (options.window, self.quaternions.is_empty()) {
+            let times = self.motion_export.motion.sample_times(options.rate);
+            for time in times.iter().take_while(|&time| time < from) {
+                let sample = self.motion_export.motion.sample_at(time);
+                let loaded = loaded(self.motion_export, sample.step);
+                let pose = placed(self.motion_export, time, &sample.positions, loaded)?;
+                self.turn(&pose);
+            }
+        }
+        Ok(())
+    }
+
+    /// The quaternions of a pose of the robot, with signs that continue those before them.
+    fn turn(&mut self, pose: &ChainPose) {
+        for (frame, last) in &mut self.quaternions {
+            let rotation = frame.of(self.motion_export.cell, pose).rotation;
+            *last = Some(continued_quaternion(&rotation, last.as_ref()));
+        }
     }
 
     /// The rows at given times.
-    fn rows(&self, times: impl Iterator<Item = f64>) -> Result<Vec<Column>, Error> {
+    fn rows(&mut self, times: impl Iterator<Item = f64>) -> Result<Vec<Column>, Error> {
         let values = |column: &SampleColumn| match column.quantity {
             Quantity::Line | Quantity::Step | Quantity::Loaded(_) | Quantity::Violations => {
                 Values::Count(Vec::new())
@@ -159,6 +227,9 @@ impl<'a> Table<'a> {
                 true => Some(placed(self.motion_export, time, &sample.positions, loaded)?),
                 false => None,
             };
+            if let Some(pose) = &pose {
+                self.turn(pose);
+            }
             let row = Row { sample, loaded, pose };
             for (column, values) in self.columns.iter().zip(&mut all) {
                 match values {
@@ -196,7 +267,8 @@ impl<'a> Table<'a> {
     /// A quantity that is a number, in the unit of its column.
     fn number(&self, row: &Row<'_>, quantity: Quantity) -> Result<f64, Error> {
         let Row { sample, pose, .. } = row;
-        let in_base = |pose: Option<&Pose>, of| pose.map_or(f64::NAN, |pose| frame_value(pose, of));
+        let cell = self.motion_export.cell;
+        let of_pose = |number: &dyn Fn(&ChainPose) -> f64| pose.as_ref().map_or(f64::NAN, number);
         Ok(match quantity {
             Quantity::Axis { axis, derivative } => {
                 let values = match derivative {
@@ -205,21 +277,24 @@ impl<'a> Table<'a> {
                     Derivative::Acceleration => &sample.accelerations,
                     Derivative::Jerk => &sample.jerks,
                 };
-                let turns = turns(self.motion_export.cell.robot.axes[axis].kind);
+                let turns = turns(cell.robot.axes[axis].kind);
                 if turns { deg(values[axis]) } else { mm(values[axis]) }
             }
-            Quantity::Platform(of) => {
-                in_base(pose.as_ref().map(|pose| &pose.platform.base_from_platform), of)
+            Quantity::Frame { frame, quantity } => {
+                of_pose(&|pose| frame_value(&frame.of(cell, pose), quantity))
             }
-            Quantity::Wafer { effector: EffectorId { arm, effector }, quantity } => {
-                let pose = pose.as_ref().map(|pose| &pose.base_from_wafer[arm][effector]);
-                in_base(pose, quantity)
+            Quantity::Quaternion { frame, part } => {
+                let mut turns = self.quaternions.iter().filter(|(other, _)| *other == frame);
+                turns.next().and_then(|(_, turn)| *turn).map_or(f64::NAN, |turn| turn[part])
             }
-            Quantity::TiltShare => {
-                let pose = pose.as_ref().map(|pose| &pose.platform.base_from_platform);
-                let tilt = pose.map_or(f64::NAN, |pose| frame_quantity(pose, FrameQuantity::Tilt));
-                100.0 * tilt / self.motion_export.cell.robot.gpr.limits().tilt_max
+            Quantity::VirtualDisplacement => {
+                of_pose(&|pose| um(cell.robot.model.displacement(&cell.robot.gpr, &pose.platform)))
             }
+            Quantity::TiltShare => of_pose(&|pose| {
+                let base_from_platform = &pose.platform.base_from_platform;
+                let tilt = frame_quantity(base_from_platform, FrameQuantity::Tilt);
+                100.0 * tilt / cell.robot.gpr.limits().tilt_max
+            }),
             Quantity::FrictionShare(effector) => self.friction_share(row, effector),
             Quantity::Speed(effector) => mm(self.wafer_motion(row, effector)?.velocity.norm()),
             Quantity::Acceleration(effector) => {

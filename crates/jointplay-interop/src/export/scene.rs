@@ -1,5 +1,6 @@
 //! Moving frames of a cell with their trajectories: rods, platform, links, wafers.
 
+use jointplay_cell::EntityId;
 use jointplay_cell::program::{WaferLocations, WaferStay};
 use jointplay_cell::robot::{ChainPose, EffectorId, RODS};
 use jointplay_cell::station::SlotId;
@@ -9,6 +10,7 @@ use nalgebra::{SVector, UnitQuaternion, Vector4};
 
 use super::error::Error;
 use super::motion_export::MotionExport;
+use super::sample_columns::RobotFrame;
 use super::samples::{loaded, placed};
 use super::wafer_frames::{WaferFrame, WaferFrames};
 
@@ -145,10 +147,7 @@ impl Track {
     fn pose(&self, cell: &Cell, wafers: &[WaferFrame], pose: &ChainPose) -> Pose {
         let platform = &pose.platform;
         match self.of {
-            Part::Rod(k) => {
-                let base = cell.robot.gpr.base_points()[k];
-                Pose::translation(base.x, base.y, platform.rods[k])
-            }
+            Part::Rod(k) => RobotFrame::Rod(k).of(cell, pose),
             Part::Platform => platform.base_from_platform,
             Part::Link { arm, link: 0 } => {
                 platform.base_from_platform.inverse() * pose.base_from_link[arm][0]
@@ -235,7 +234,7 @@ fn tracks(cell: &Cell) -> Vec<Track> {
     for (k, arm) in robot.arms.iter().enumerate() {
         for link in 0..arm.joints.len() {
             let parent = if link == 0 { platform } else { tracks.len() - 1 };
-            let name = format!("{} link {}", arm.name, link + 1);
+            let name = cell.entity_name(EntityId::Link { arm: k, link });
             tracks.push(Track::new(&name, Part::Link { arm: k, link }, Some(parent)));
         }
     }

@@ -4,16 +4,18 @@ use jointplay_core::mechanism::{
     Carrier, Coupling, Joint, JointCoordinate, JointKind, LinearAndAngular, Mechanism, guess,
 };
 use jointplay_format::mechanism;
-use jointplay_interop::export::mechanism::{Written, mjcf, sdf, urdf};
+use jointplay_interop::export::mechanism::{Written, mjcf, modelica, sdf, urdf};
 use jointplay_interop::import::{parse, parse_closed};
 use nalgebra::DVector;
+
+use crate::modelica_text;
 
 use super::probes::{
     CLEARANCE, LENGTH, LIMITS, STIFFNESS, closed_by, frame, has_limits, is_near, joint, kinds,
     kinds_of, named, pair, play, pose_difference, slide, turn, with_joint,
 };
 
-const COLUMNS: [&str; 4] = ["mechanism file", "MJCF", "SDF", "URDF and file of loops"];
+const COLUMNS: [&str; 5] = ["mechanism file", "MJCF", "Modelica", "SDF", "URDF and file of loops"];
 
 /// A part of a mechanism, and how it is recognised in what is read.
 struct Row {
@@ -62,12 +64,15 @@ fn read(column: usize, mechanism: &Mechanism, at: &DVector<f64>) -> Result<Readi
             lost: Vec::new(),
         }),
         1 => mjcf(mechanism, at),
-        2 => sdf(mechanism, at),
+        2 => modelica(mechanism, at, "Package"),
+        3 => sdf(mechanism, at),
         _ => urdf(mechanism, at),
     };
     let Written { text, loops, lost } = written.map_err(|error| error.to_string())?;
     let found = if column == 0 {
         mechanism::parse(&text).map_err(|error| error.with_excerpt("written")).unwrap().mechanism
+    } else if column == 2 {
+        modelica_text::read(&text)
     } else {
         let model = match &loops {
             None => parse(&text).map_err(|error| error.with_excerpt("written")),

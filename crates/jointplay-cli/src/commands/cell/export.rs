@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 use jointplay::format::number::{counted, number};
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, IncludedDialect, MAX_BYTES};
 use jointplay::interop::export::{
-    self, COLUMN_GROUPS, MotionExport, SampleColumn, SampleOptions, sample_columns, select_columns,
+    self, COLUMN_GROUPS, DEFAULT_COLUMNS, MotionExport, POSE_COLUMNS, SampleColumn, SampleOptions,
+    sample_columns, select_columns,
 };
 #[cfg(feature = "parquet")]
 use jointplay::report::TableError;
@@ -45,6 +46,7 @@ Examples:
   jointplay cell export
   jointplay cell export --to gltf --rate 60 --out scene
   jointplay cell export --columns time,heading,tilt --from-s 10 --to-s 12.5 --out approach
+  jointplay cell export --poses --out poses
   jointplay cell export --columns list
   jointplay cell export --to text --dialect points --out controller
 
@@ -58,6 +60,9 @@ pub(super) struct Export {
     /// Columns of the tables, by name or group, separated by commas; `list` prints all names and groups
     #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
     columns: Vec<String>,
+    /// Add the poses of rods, platform, links and wafers on effectors in the base frame to the tables: origin, and unit quaternion
+    #[arg(long)]
+    poses: bool,
     /// Start of the window of the tables [default: start of the motion]
     #[arg(long, value_name = "S", value_parser = finite)]
     from_s: Option<f64>,
@@ -212,7 +217,7 @@ impl Export {
             }
         }
         if kinds.is_empty() {
-            let for_tables = has_window || !self.columns.is_empty();
+            let for_tables = has_window || self.poses || !self.columns.is_empty();
             let all: &[Kind] = &[Kind::Csv, Kind::Gltf, Kind::Solidworks, Kind::Text];
             kinds = if for_tables { vec![Kind::Csv] } else { all.to_vec() };
         }
@@ -223,9 +228,11 @@ impl Export {
                 "--from-s and --to-s select rows of tables, but --to {name} always has the whole motion; use --to csv"
             )));
         }
-        if !self.columns.is_empty() && !kinds.iter().any(|kind| kind.is_table()) {
-            let text = "--columns selects columns of tables, but --to names no table; use --to csv";
-            return Err(Failure::Usage(text.to_owned()));
+        let option = if self.poses { "--poses adds" } else { "--columns selects" };
+        if (self.poses || !self.columns.is_empty()) && !kinds.iter().any(|kind| kind.is_table()) {
+            return Err(Failure::Usage(format!(
+                "{option} columns of tables, but --to names no table; use --to csv"
+            )));
         }
         self.refuse_dialect_without_text(&kinds)?;
         Ok(kinds)
@@ -241,11 +248,18 @@ impl Export {
 
     /// The chosen columns; unknown ones are refused before the planning.
     fn selected_columns(&self) -> Result<Option<Vec<SampleColumn>>, Failure> {
-        if self.columns.is_empty() {
+        let mut names = self.columns.clone();
+        if self.poses {
+            if names.is_empty() {
+                names.push(DEFAULT_COLUMNS.to_owned());
+            }
+            names.push(POSE_COLUMNS.to_owned());
+        }
+        if names.is_empty() {
             return Ok(None);
         }
         let cell = self.input.load()?.cell.cell;
-        let columns = select_columns(&cell, &self.columns);
+        let columns = select_columns(&cell, &names);
         columns.map(Some).map_err(|error| Failure::Usage(error.to_string()))
     }
 

@@ -8,6 +8,8 @@ pub(super) enum Format {
     Fmu,
     /// model of MuJoCo
     Mjcf,
+    /// package in Modelica, which needs no library
+    Modelica,
     /// model of Gazebo
     Sdf,
     /// robot of ROS, with a second file of the joints that close loops

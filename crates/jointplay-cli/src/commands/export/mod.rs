@@ -7,7 +7,7 @@ mod simulator;
 use std::path::PathBuf;
 
 use clap::Args;
-use jointplay::interop::export::mechanism::{mjcf, sdf, urdf};
+use jointplay::interop::export::mechanism::{mjcf, modelica, modelica_class, sdf, urdf};
 use jointplay::mechanism::{Mechanism, Posed};
 use serde::Serialize;
 
@@ -18,9 +18,9 @@ use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{JointValues, MechanismArgs, joint_values};
 use crate::source;
 
-/// Export a mechanism for MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF), with its play as joints, or as a functional mock-up unit (FMI)
+/// Export a mechanism for MuJoCo (MJCF), Gazebo (SDF), ROS (URDF) or Modelica, with its play as joints, or as a functional mock-up unit (FMI)
 ///
-/// In MJCF, SDF and URDF virtual joints become slides and hinges with a spring, and a range where the file states their clearance; actuated joints have position actuators.
+/// In MJCF, SDF, URDF and Modelica virtual joints become slides and hinges with a spring, and a range where the file states their clearance; actuated joints have position actuators, or inputs in Modelica.
 /// The configuration nearest to the guess of the file, or that of --at, is the reference configuration of the model.
 /// Everything that a format cannot keep is listed.
 /// A functional mock-up unit for co-simulation has the drives as inputs, and as outputs the poses of links and attached frames and the displacements of virtual joints; it computes with this library, which it contains.
@@ -30,6 +30,7 @@ Examples:
   jointplay export gpr-mechanism --to mjcf
   jointplay export hexapod --to mjcf,sdf,urdf --out models
   jointplay export four-bar --to mjcf --at A=30 --out crank-at-30
+  jointplay export gpr-mechanism --to modelica --out modelica
   jointplay export gpr-mechanism --to mjcf --rigid --out rigid
   jointplay export hexapod --to fmu --out units
   jointplay export gpr --to fmu --fmi 3 --virtualization polar --out polar-units
@@ -105,6 +106,11 @@ impl Export {
             .map(|format| match (format, &at) {
                 (Format::Mjcf, Some(at)) => {
                     simulator::files(("MJCF", "xml"), mjcf(mechanism, at), &stem)
+                }
+                (Format::Modelica, Some(at)) => {
+                    let class = modelica_class(&stem);
+                    let written = modelica(mechanism, at, &class);
+                    simulator::files(("Modelica", "mo"), written, &class)
                 }
                 (Format::Sdf, Some(at)) => {
                     simulator::files(("SDF", "sdf"), sdf(mechanism, at), &stem)

@@ -1,4 +1,4 @@
-//! Models of simulators: MJCF, SDF and URDF.
+//! Models of simulators: MJCF, SDF, URDF and Modelica.
 
 use jointplay::interop::export::mechanism::{Error, Written};
 

@@ -7,7 +7,7 @@ use nalgebra::{DVector, Point3, Vector3};
 
 use super::Written;
 use super::error::Error;
-use super::skeleton::{Body, DEFAULT_STIFFNESS, Skeleton};
+use super::skeleton::{Body, Skeleton};
 use super::xml::{Xml, number, numbers, quaternion, vector};
 use crate::export::joint_points::{BAR, bars, drawn_points, joint_points, size};
 
@@ -116,14 +116,7 @@ struct CoupledSum {
 impl<'s, 'a> Writer<'s, 'a> {
     fn new(skeleton: &'s Skeleton<'a>) -> Self {
         let length = skeleton.length;
-        let virtual_joints = skeleton.mechanism.virtual_joints().iter();
-        let linear = virtual_joints.zip(&skeleton.stiffness).map(|(joint, &stiffness)| match joint
-            .motion
-        {
-            jointplay_core::mechanism::VirtualMotion::Slide(_) => stiffness,
-            jointplay_core::mechanism::VirtualMotion::Turn { .. } => stiffness / (length * length),
-        });
-        let stiffness = linear.reduce(f64::max).unwrap_or(DEFAULT_STIFFNESS);
+        let stiffness = skeleton.stiffest();
         let mut children = vec![Vec::new(); skeleton.bodies.len()];
         for (k, body) in skeleton.bodies.iter().enumerate() {
             if let Some(parent) = body.parent {

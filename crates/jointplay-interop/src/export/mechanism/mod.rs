@@ -8,10 +8,12 @@
 //! | MuJoCo | [`mjcf`](fn@mjcf) | `connect` and `weld` |
 //! | Gazebo | [`sdf`](fn@sdf) | joints |
 //! | ROS | [`urdf`](fn@urdf) | a second file of joints, see [`jointplay_format::mechanism::with_loops`] |
+//! | Modelica | [`modelica`](fn@modelica) | stiff springs |
 
 mod error;
 mod mimics;
 mod mjcf;
+mod modelica;
 mod sdf;
 mod skeleton;
 mod urdf;
@@ -19,6 +21,7 @@ pub(crate) mod xml;
 
 pub use error::Error;
 pub use mjcf::mjcf;
+pub use modelica::{modelica, modelica_class};
 pub use sdf::sdf;
 pub use urdf::urdf;
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use jointplay_core::mechanism::joint::{Coordinate, Factor};
 use jointplay_core::mechanism::{
     Coupling, ElementaryChain, JointCoordinate, JointKind, Kinematics, Mechanism, MechanismSystem,
-    virtual_weights,
+    VirtualMotion, virtual_weights,
 };
 use jointplay_core::spatial::Pose;
 use nalgebra::DVector;
@@ -31,6 +31,8 @@ pub(super) struct Skeleton<'a> {
     pub(super) coordinates: Vec<f64>,
     /// Stiffness of each virtual joint (N/m, N m/rad).
     pub(super) stiffness: Vec<f64>,
+    /// Stiffness of a virtual slide where the file states none (N/m).
+    default_stiffness: f64,
     /// Size of the mechanism, by which angles are weighed (m).
     pub(super) length: f64,
     /// Joints without virtual joints that close loops as they are, if they are kept whole.
@@ -70,7 +72,16 @@ impl<'a> Skeleton<'a> {
     ///
     /// Spherical joints close loops where there is a choice.
     pub(super) fn new(mechanism: &'a Mechanism, coordinates: &DVector<f64>) -> Result<Self, Error> {
-        Self::made(mechanism, coordinates, false)
+        Self::made(mechanism, coordinates, false, DEFAULT_STIFFNESS)
+    }
+
+    /// The tree as by [`Skeleton::new`], with another stiffness of virtual slides where the file states none (N/m).
+    pub(super) fn with_default_stiffness(
+        mechanism: &'a Mechanism,
+        coordinates: &DVector<f64>,
+        default_stiffness: f64,
+    ) -> Result<Self, Error> {
+        Self::made(mechanism, coordinates, false, default_stiffness)
     }
 
     /// The tree as by [`Skeleton::new`], in which joints of all kinds may close loops.
@@ -78,13 +89,14 @@ impl<'a> Skeleton<'a> {
         mechanism: &'a Mechanism,
         coordinates: &DVector<f64>,
     ) -> Result<Self, Error> {
-        Self::made(mechanism, coordinates, true)
+        Self::made(mechanism, coordinates, true, DEFAULT_STIFFNESS)
     }
 
     fn made(
         mechanism: &'a Mechanism,
         coordinates: &DVector<f64>,
         keeps_closures: bool,
+        default_stiffness: f64,
     ) -> Result<Self, Error> {
         let moving = &mechanism.links()[1..];
         if let Some(link) = moving.iter().find(|link| RESERVED.contains(&link.as_str())) {
@@ -97,11 +109,12 @@ impl<'a> Skeleton<'a> {
             bodies: Vec::new(),
             closures: Vec::new(),
             coordinates: coordinates.iter().copied().collect(),
-            stiffness: stiffness(mechanism, &virtual_weights(&system)),
+            stiffness: stiffness(mechanism, &virtual_weights(&system), default_stiffness),
+            default_stiffness,
             length,
             whole_closures: Vec::new(),
             keeps_closures,
-            lost: lost(mechanism),
+            lost: lost(mechanism, default_stiffness),
         };
         skeleton.build(&Kinematics::new(mechanism));
         Ok(skeleton)
@@ -303,6 +316,17 @@ impl<'a> Skeleton<'a> {
         self.virtual_joint(coordinate).is_none() && self.mechanism.joints()[joint].actuated
     }
 
+    /// Stiffness of the stiffest virtual joint, of turns that of a slide at the size of the mechanism, or what it would be (N/m).
+    pub(super) fn stiffest(&self) -> f64 {
+        let virtual_joints = self.mechanism.virtual_joints().iter();
+        let linear =
+            virtual_joints.zip(&self.stiffness).map(|(joint, &stiffness)| match joint.motion {
+                VirtualMotion::Slide(_) => stiffness,
+                VirtualMotion::Turn { .. } => stiffness / (self.length * self.length),
+            });
+        linear.reduce(f64::max).unwrap_or(self.default_stiffness)
+    }
+
     /// Whether a coordinate is an angle.
     pub(super) fn is_turn(factor: &Factor) -> bool {
         factor.coordinates() == [Coordinate::Turn]
@@ -310,9 +334,9 @@ impl<'a> Skeleton<'a> {
 }
 
 /// Stiffness of each virtual joint: that of the file where all state it, and otherwise one in the proportions of their weights.
-fn stiffness(mechanism: &Mechanism, weights: &DVector<f64>) -> Vec<f64> {
+fn stiffness(mechanism: &Mechanism, weights: &DVector<f64>, default: f64) -> Vec<f64> {
     let stated = mechanism.virtual_joints().iter().all(|one| one.stiffness.is_some());
-    let factor = if stated { 1.0 } else { DEFAULT_STIFFNESS };
+    let factor = if stated { 1.0 } else { default };
     weights.iter().map(|weight| factor * weight).collect()
 }
 
@@ -320,7 +344,7 @@ fn stiffness(mechanism: &Mechanism, weights: &DVector<f64>) -> Vec<f64> {
 pub(super) const DEFAULT_STIFFNESS: f64 = 1e4;
 
 /// Properties that no format of simulators keeps.
-fn lost(mechanism: &Mechanism) -> Vec<String> {
+fn lost(mechanism: &Mechanism, default_stiffness: f64) -> Vec<String> {
     let mut lost = Vec::new();
     let count = |is: fn(&jointplay_core::mechanism::Joint) -> bool| {
         mechanism.joints().iter().filter(|joint| is(joint)).count()
@@ -341,7 +365,7 @@ fn lost(mechanism: &Mechanism) -> Vec<String> {
     let stated = mechanism.virtual_joints().iter().all(|one| one.stiffness.is_some());
     if !stated {
         lost.push(format!(
-            "virtual joints without a stiffness in the file have one of {DEFAULT_STIFFNESS} N/m, or the same for an angle times the squared characteristic length in N m/rad"
+            "virtual joints without a stiffness in the file have one of {default_stiffness} N/m, or the same for an angle times the squared characteristic length in N m/rad"
         ));
     }
     lost
