@@ -2,6 +2,7 @@
 
 import * as api from '../api/client';
 import { connection } from '../api/connection.svelte';
+import { messageUnit } from '../api/lengthUnit';
 import { ConnectionError, ApiError, type PoseDocument, type RobotDocument } from '../api/client';
 import {
   initialDocument,
@@ -104,6 +105,10 @@ export class Studio {
     this.systemTheme = dark.matches ? 'dark' : 'light';
     dark.addEventListener('change', () => (this.systemTheme = dark.matches ? 'dark' : 'light'));
     this.unit = load('unit', 'mm', (value) => value === 'mm' || value === 'inch');
+    messageUnit.set(this.unit);
+    messageUnit.onChange(() => {
+      if (this.robot && this.player.sample === null) this.#requestPose(this.document.command);
+    });
     this.themeChoice = load('theme', 'system', (value) => ['system', 'light', 'dark'].includes(value as string));
     // The URL of the event, not the current one: the page may have changed it in the meantime.
     window.addEventListener('hashchange', ({ newURL }) => this.#openLink(new URL(newURL).hash));
@@ -451,6 +456,7 @@ export class Studio {
   setUnit(unit: LengthUnit): void {
     this.unit = unit;
     save('unit', unit);
+    messageUnit.set(unit);
   }
 
   setTheme(theme: ThemeChoice): void {
