@@ -1,4 +1,5 @@
 import type { RobotDocument } from '../api/client';
+import { finerDecimals } from '../scene/robotSize';
 import { degrees, fixed, length, angle, small, smallAngle, type LengthUnit } from './units';
 
 const SYMBOLS: Record<string, string> = { phi: 'φ', dphi: 'dφ' };
@@ -20,6 +21,7 @@ export interface JointRow {
 /** Table of the virtual joints of a model. */
 export function jointRows(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): JointRow[] {
   const joints = robot.virtualizations.find(({ name }) => name === model)?.joints ?? [];
+  const finer = finerDecimals(robot.limbs);
   return joints.map((joint, i) => {
     const value = values[i] as number;
     const moved = value - joint.nominal;
@@ -27,8 +29,8 @@ export function jointRows(robot: RobotDocument, model: string, values: number[],
     return {
       symbol: symbol(joint.symbol, joint.limb),
       limb: joint.limb,
-      value: slides ? length(value, unit, 4) : angle(value, 4),
-      moved: slides ? small(moved, unit, 1, true) : turned(moved),
+      value: slides ? length(value, unit, 4 + finer) : angle(value, 4),
+      moved: slides ? small(moved, unit, 1 + finer, true) : turned(moved),
     };
   });
 }

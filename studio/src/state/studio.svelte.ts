@@ -25,12 +25,13 @@ import { withinTilt } from '../lib/limits';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
-import { sceneUnits } from '../scene/robotSize';
+import { finerDecimals, sceneUnits } from '../scene/robotSize';
 import { Comparison, MOST_COMPARED } from './comparison.svelte';
 import { layout } from './layout.svelte';
 import { plotLayout } from './plotLayout.svelte';
 import { probe } from './probe';
 import { Player } from './player.svelte';
+import { printing } from './printing.svelte';
 import { RobotFile } from './robotFile.svelte';
 import { Study } from './study.svelte';
 
@@ -79,9 +80,11 @@ export class Studio {
   canUndo = $state(false);
   canRedo = $state(false);
   unit = $state<LengthUnit>('mm');
+  /** Decimals of lengths in addition to those of a robot of usual size. */
+  finer = $derived(this.robot ? finerDecimals(this.robot.limbs) : 0);
   themeChoice = $state<ThemeChoice>('system');
   systemTheme = $state<Theme>('light');
-  theme = $derived<Theme>(this.themeChoice === 'system' ? this.systemTheme : this.themeChoice);
+  theme = $derived<Theme>(printing.active ? 'light' : this.themeChoice === 'system' ? this.systemTheme : this.themeChoice);
   /** The camera of the link, until the 3D view has taken it over. */
   linkedView: View | null = null;
   /** Returns the camera of the 3D view, once there is one. */
