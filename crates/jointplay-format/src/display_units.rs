@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(texts(DisplayUnits::Metric), ["25.400 mm", "50.8 µm", "93.218 mm", "12.35 mm"]);
         assert_eq!(
             texts(DisplayUnits::Imperial),
-            ["1.00000 in", "2.00 mil", "3.67 in", "0.486 in"]
+            ["1.00000 in", "2.00 mil", "3.67 in", "0.4861 in"]
         );
     }
 

@@ -98,7 +98,7 @@ impl<'a> MechanismSystem<'a> {
     /// Whether a mechanism is small enough for the dense algebra of a system; larger ones are for [`super::SparseSystem`].
     #[must_use]
     pub fn fits(mechanism: &Mechanism) -> bool {
-        too_large(mechanism).is_none()
+        Self::check_size(mechanism).is_ok()
     }
 
     /// Checks that a mechanism is small enough for the dense algebra of a system.
@@ -106,7 +106,11 @@ impl<'a> MechanismSystem<'a> {
     /// # Errors
     /// [`Error::TooLarge`] beyond [`MAX_DENSE`].
     pub fn check_size(mechanism: &Mechanism) -> Result<(), Error> {
-        match too_large(mechanism) {
+        let sizes = [
+            ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),
+            ("closure equations", mechanism.constraints()),
+        ];
+        match sizes.into_iter().find(|&(_, found)| found > MAX_DENSE) {
             Some((what, found)) => Err(Error::TooLarge { what, found, allowed: MAX_DENSE }),
             None => Ok(()),
         }
@@ -434,15 +438,6 @@ fn rotation_vector_rate(vector: &Vector3<f64>) -> Matrix3<f64> {
         (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
     };
     Matrix3::identity() - cross * 0.5 + cross * cross * factor
-}
-
-/// The quantity by which a mechanism is too large for dense algebra, and its value.
-fn too_large(mechanism: &Mechanism) -> Option<(&'static str, usize)> {
-    let sizes = [
-        ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),
-        ("closure equations", mechanism.constraints()),
-    ];
-    sizes.into_iter().find(|&(_, found)| found > MAX_DENSE)
 }
 
 /// Middle of the joints, and their root mean square distance from it; 1 m where all are in one point, since no length matters there.
