@@ -18,10 +18,9 @@ export interface JointRow {
   moved: string;
 }
 
-/** Table of the virtual joints of a model. */
-export function jointRows(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): JointRow[] {
+/** Table of the virtual joints of a model; `finer` are decimals of lengths in addition to the usual ones. */
+export function jointRows(robot: Pick<RobotDocument, 'virtualizations'>, model: string, values: number[], unit: LengthUnit, finer = 0): JointRow[] {
   const joints = robot.virtualizations.find(({ name }) => name === model)?.joints ?? [];
-  const finer = finerDecimals(robot.limbs);
   return joints.map((joint, i) => {
     const value = values[i] as number;
     const moved = value - joint.nominal;
@@ -37,7 +36,7 @@ export function jointRows(robot: RobotDocument, model: string, values: number[],
 
 /** Labels of the limbs, with the displacement of each of their virtual joints in a line. */
 export function jointLabels(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): string[] {
-  const rows = jointRows(robot, model, values, unit);
+  const rows = jointRows(robot, model, values, unit, finerDecimals(robot.limbs));
   return robot.limbs.map((_, limb) =>
     rows
       .filter((row) => row.limb === limb)
