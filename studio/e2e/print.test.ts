@@ -19,7 +19,11 @@ afterAll(async () => {
 const picture = (page: Page) =>
   page.evaluate(() => {
     const canvas = document.querySelector<HTMLCanvasElement>('.printed canvas')!;
-    const { data } = canvas.getContext('2d')!.getImageData(0, 0, canvas.width, canvas.height);
+    // A copy: browsers complain about canvases that are read repeatedly without this option.
+    const copy = Object.assign(document.createElement('canvas'), { width: canvas.width, height: canvas.height });
+    const context = copy.getContext('2d', { willReadFrequently: true })!;
+    context.drawImage(canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
     const colors = new Set<string>();
     for (let i = 0; i < data.length; i += 4 * 997) colors.add(data.slice(i, i + 3).join());
     return { colors: colors.size, corner: [...data.slice(0, 3)], width: canvas.getBoundingClientRect().width };
