@@ -532,6 +532,6 @@ fn stations_rest_on_the_floor() {
         };
         let height = placed("floor_mm = 650\n");
         assert!(height.abs() < 1e-12, "{part}: {height} m");
-        assert!(placed("") > 0.2, "{part} has no stand by default");
+        assert!(placed("") > 0.2, "{part} has no pedestal by default");
     }
 }

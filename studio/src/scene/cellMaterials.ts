@@ -22,8 +22,8 @@ export class CellMaterials {
   readonly station = new MeshStandardMaterial({ color: ZONE_COLORS.slot, metalness: 0.1, roughness: 0.6 });
   /** Bodies that reach above the lowest wafer of their station are transparent, because wafers are within. */
   readonly carrier = new MeshPhysicalMaterial({ color: 0x9fb4c6, metalness: 0, roughness: 0.14, transparent: true, opacity: 0.3, depthWrite: false });
-  /** Bodies below the wafers of their station: supports, load ports, stands. */
-  readonly stand = new MeshStandardMaterial({ color: 0xaab4be, metalness: 0.35, roughness: 0.45 });
+  /** Bodies below the wafers of their station: supports, load ports, pedestals. */
+  readonly pedestal = new MeshStandardMaterial({ color: 0xaab4be, metalness: 0.35, roughness: 0.45 });
   readonly body = new MeshStandardMaterial({ color: 0xd5dade, metalness: 0.25, roughness: 0.5 });
   /** A body between the viewer and the robot. */
   readonly obstructing = new MeshStandardMaterial({ color: 0xb9c2ca, metalness: 0.1, roughness: 0.5, transparent: true, opacity: 0.16, depthWrite: false });
@@ -42,7 +42,7 @@ export class CellMaterials {
       loaded.dispose();
     }
     mesh.geometry = surface;
-    mesh.material = material !== 'body' || station === null ? this[material] : station === 'around wafers' ? this.carrier : this.stand;
+    mesh.material = material !== 'body' || station === null ? this[material] : station === 'around wafers' ? this.carrier : this.pedestal;
     const solid = !['keep out', 'safe', 'station'].includes(material);
     mesh.castShadow = solid && mesh.material !== this.carrier;
     // Shadows of the wafers above would hide the slots of a carrier.
