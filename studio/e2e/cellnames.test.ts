@@ -43,7 +43,8 @@ test('each part is selected alone, described and highlighted by its kind', async
     expect(await page.evaluate(() => window.jointplay.probe.cell!.grip('height' as never)), `${name} has no handles of a station`).toBeNull();
   }
   await part('Stations', 'LP1').click();
-  await until('the slots are highlighted', async () => (await selected()).length === 25);
+  await until('the slots and the bodies of the station are highlighted', async () => (await selected()).filter((name) => /^LP1 \d+$/.test(name)).length === 25 && (await selected()).includes('LP1-back'));
+  expect(await selected()).not.toContain('LP1');
   await page.getByTestId('properties').filter({ hasText: 'Heading' }).waitFor();
   await part('Zones', 'optics').click();
   await page.getByTestId('properties').filter({ hasText: 'no body enters' }).waitFor();
@@ -70,6 +71,14 @@ test('hiding and deleting a body leaves the station of its name', async () => {
   await until('the body is deleted', async () => (await part('Bodies', 'LP1').count()) === 0);
   await waitForCheck(page, 'passed');
   expect(await part('Stations', 'LP1').count()).toBe(1);
+});
+
+test('an isolated station keeps its bodies', async () => {
+  await part('Stations', 'LP2').click();
+  await page.getByTestId('part-isolate').click();
+  const parts = (station: string) => [...Array.from({ length: 25 }, (_, k) => `${station} ${k + 1}`), 'LP2-back', 'LP2-floor', 'LP2-left', 'LP2-port', 'LP2-right'].sort().join();
+  await until('the station is shown alone', async () => (await shown()).sort().join() === parts('LP2'));
+  await page.getByTestId('show-all').click();
 });
 
 test('an arm is hidden with the bodies on its links, and an isolated link keeps them', async () => {

@@ -207,11 +207,11 @@ test('lengths of violations, their places, jog and parts are in the display unit
     const depth = Number(/wall-5mm.*? depth of ([\d.]+) mm/.exec((await violations())!)![1]);
     await page.getByTestId('violations').locator('button').first().click();
     await page.getByTitle('Length unit').selectOption('inch');
-    await until('violations are in inches', async () => / in\b/.test((await violations())!));
+    await until('violations are in inches', async () => / depth of [\d.]+ in\b/.test((await violations())!));
     const shown = (await violations())!;
     expect(Number(/wall-5mm.*? depth of ([\d.]+) in/.exec(shown)![1])).toBeCloseTo(depth / 25.4, 3);
     expect(shown).not.toMatch(/\d (mm|µm)/);
-    await until('the violation at the current time is in inches', async () => / in\b/.test((await page.getByTestId('current-violations').textContent()) ?? ''));
+    await until('the violation at the current time is in inches', async () => / [\d.]+ in\b/.test((await page.getByTestId('current-violations').textContent()) ?? ''));
     expect((await page.getByTestId('current-violations').textContent())!).not.toMatch(/\d (mm|µm)/);
     await page.getByTitle('Length unit').selectOption('mm');
   } finally {

@@ -1,8 +1,8 @@
 // How fast the page is: `npm run measure`, with JOINTPLAY_COMMAND a release build. Prints a table, and judges nothing.
 
-import { readdirSync, readFileSync } from 'node:fs';
-import { cpus } from 'node:os';
-import { resolve } from 'node:path';
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { cpus, tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
 import { afterAll, test } from 'vitest';
 import { ROOT, browse, drawn, load, serve, until } from './studio';
@@ -206,6 +206,57 @@ for (const [entry, joint] of [['four-bar', 'C'], ['hexapod', ''], ['gpr-mechanis
     await browser.close();
     await server.stop();
   });
+
+/** The mechanism file of a scissor lift of some stages: two links in each, and four more. */
+function scissorLift(stages: number): string {
+  const joint = (name: string, kind: string, links: [string, string], [x, y]: [string, number], more = '') =>
+    `[[joint]]\nname = "${name}"\nkind = "${kind}"\nlinks = ["${links[0]}", "${links[1]}"]\npoint = ["${x}", "${y} * h", 0]\naxis = ${kind === 'prismatic' ? '[1, 0, 0]' : '[0, 0, 1]'}\n${more}`;
+  const parts = [
+    'kind = "mechanism"\nname = "Scissor lift"\nunits = { length = "m", angle = "deg" }\nbase = "base"\n[parameters]\nbar = 0.8\nangle = 35\nw = "bar * cos(angle)"\nh = "bar * sin(angle)"',
+    joint('slide', 'prismatic', ['base', 'slider'], ['w', 0], 'actuated = true'),
+    joint('foot left', 'revolute', ['base', 'left 1'], ['0', 0]),
+    joint('foot right', 'revolute', ['slider', 'right 1'], ['w', 0]),
+  ];
+  for (let k = 1; k <= stages; k++) {
+    parts.push(joint(`cross ${k}`, 'revolute', [`left ${k}`, `right ${k}`], ['w / 2', k - 0.5]));
+    if (k < stages) parts.push(joint(`pin right ${k}`, 'revolute', [`left ${k}`, `right ${k + 1}`], ['w', k]), joint(`pin left ${k}`, 'revolute', [`right ${k}`, `left ${k + 1}`], ['0', k]));
+  }
+  parts.push(joint('head left', 'revolute', [`right ${stages}`, 'table'], ['0', stages]), joint('head right', 'revolute', [`left ${stages}`, 'head'], ['w', stages]), joint('head', 'prismatic', ['table', 'head'], ['w', stages]));
+  return parts.join('\n');
+}
+
+test('a slider of a mechanism with 102 links', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'measure-'));
+  const file = join(folder, 'lift.toml');
+  writeFileSync(file, scissorLift(49));
+  const [browser, server] = await Promise.all([browse(), serve(0, [file])]);
+  const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, reducedMotion: 'reduce' });
+  await load(page, server.address);
+  await until('the slider', async () => (await page.getByTestId('slide-slide').count()) === 1);
+  await new Promise((wait) => setTimeout(wait, 5000));
+  const found = await page.evaluate(async () => {
+    const { probe } = window.jointplay;
+    const slider = document.querySelector<HTMLInputElement>('[data-testid=slide-slide]')!;
+    const [low, high] = [Number(slider.min), Number(slider.max)];
+    const start = performance.now();
+    const first = probe.mechanismFrames;
+    performance.clearResourceTimings();
+    performance.setResourceTimingBufferSize(2000);
+    for (let i = 0; performance.now() - start < 8000; i++) {
+      slider.value = String(low + (high - low) * (0.5 + 0.3 * Math.sin(i / 20)));
+      slider.dispatchEvent(new Event('input', { bubbles: true }));
+      await new Promise((next) => requestAnimationFrame(next));
+    }
+    const seconds = (performance.now() - start) / 1000;
+    const requests = performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/drive')) as PerformanceResourceTiming[];
+    return { pictures: (probe.mechanismFrames - first) / seconds, positions: requests.length / seconds, took: requests.map(({ responseEnd, requestStart }) => responseEnd - requestStart) };
+  });
+  report('slider of a lift of 102 links in a window of 1440 × 900', `${found.pictures.toFixed(0)} pictures/s, ${found.positions.toFixed(0)} positions/s`);
+  report('of it a position by the server, median', ms(median(found.took)));
+  await browser.close();
+  await server.stop();
+  rmSync(folder, { recursive: true });
+});
 
 const STATIONS = ['LP1', 'LP2', 'ALIGN', 'PM1'];
 

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use jointplay::Error;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::explain::explain;
 use jointplay::format::json::JsonError;
 
@@ -47,7 +48,7 @@ impl From<Error> for Failure {
 impl From<&Error> for Failure {
     #[cold]
     fn from(error: &Error) -> Self {
-        let text = explain(error);
+        let text = explain(error, DisplayUnits::Metric);
         if error.is_infeasible() { Self::no_answer(text) } else { Self::input(text) }
     }
 }

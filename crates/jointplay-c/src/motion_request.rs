@@ -138,10 +138,8 @@ impl Suggest {
         let coordinates = Coordinates::of(&file);
         let named = Named { file: &file, coordinates: &coordinates };
         let mechanism = &file.mechanism;
-        if !MechanismSystem::fits(mechanism) {
-            let text = "the mechanism has too many loops for a search of virtual joints";
-            return Err(Failure::input(text));
-        }
+        MechanismSystem::check_size(mechanism)
+            .map_err(|error| Failure::input(error.to_string()))?;
         let home = close_nearly(&named.file.mechanism)?.coordinates;
         let commands = match self.commands(named)? {
             Some(commands) => commands,

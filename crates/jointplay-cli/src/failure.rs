@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anstyle::{AnsiColor, Style};
 use jointplay::format::cell;
 use jointplay::format::coordinates;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::explain::{explain, explain_limit};
 use jointplay::format::number::{counted, number};
 use jointplay::format::place;
@@ -193,7 +194,11 @@ fn messages(broken: &[report::LimitReport]) -> String {
 }
 
 fn list(broken: &[BrokenLimit]) -> String {
-    broken.iter().map(|limit| format!("  {}", explain_limit(limit))).collect::<Vec<_>>().join("\n")
+    broken
+        .iter()
+        .map(|limit| format!("  {}", explain_limit(limit, DisplayUnits::Metric)))
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 /// Why a file cannot be written, with advice where the message of the system has none.
@@ -227,7 +232,7 @@ fn explain_core(error: &jointplay::Error) -> String {
         }
         _ => "",
     };
-    explain(error) + hint
+    explain(error, DisplayUnits::Metric) + hint
 }
 
 fn explain_study(error: &study::Error) -> String {
@@ -317,7 +322,7 @@ impl Failure {
         }
         let mut stderr = anstream::stderr();
         let limits = match self {
-            Self::Limits(broken) => report::limits(broken),
+            Self::Limits(broken) => report::limits(broken, DisplayUnits::Metric),
             Self::BeyondLimits(broken) | Self::BeyondLimitsAt { limits: broken, .. } => {
                 broken.clone()
             }

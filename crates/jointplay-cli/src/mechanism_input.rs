@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::command::{CommandValue, Names};
 use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::explain::explain_unassembled;
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::{fixed, number};
@@ -382,7 +383,7 @@ impl Input {
     /// An assembly error with the configurations found, in the units of the file.
     pub(crate) fn unassembled(&self, error: Error) -> Failure {
         if let Error::NotReached { .. } = &error {
-            return Failure::NotAssembled(format::explain::explain(&error));
+            return Failure::NotAssembled(format::explain::explain(&error, DisplayUnits::Metric));
         }
         let Error::NotAssembled(found) = &error else { return error.into() };
         let mut text = explain_unassembled(found, self.coordinates.units());

@@ -186,7 +186,7 @@ pub enum Error {
     NotConverged(#[from] Unconverged),
     /// A mechanism that dense algebra would work on for hours.
     #[error(
-        "the mechanism has {found} {what}, but at most {allowed} are taken here: these matrices are dense, and their cost grows with the cube; mobility, closing and driving have sparse algebra for more"
+        "the mechanism has {found} {what}, but at most {allowed} are taken here: these matrices are dense, and their cost grows with the cube; mobility, instantaneous motions, closing and driving have sparse algebra for more; for the others, use a mechanism with fewer loops, such as one of its stages"
     )]
     TooLarge {
         /// Name of the parts that are too many.

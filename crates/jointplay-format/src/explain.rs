@@ -1,39 +1,35 @@
-//! Errors of the core as messages in mm and degrees.
+//! Errors of the core as messages in units of display and degrees.
 
 use jointplay_core::gpr::{BrokenLimit, NotThreeRods};
 use jointplay_core::linalg::LinalgError;
 use jointplay_core::mechanism::Unassembled;
 use jointplay_core::{Error, range_fault};
 
-use crate::mechanism::Units;
+use crate::display_units::DisplayUnits;
+use crate::mechanism::{LengthUnit, Units};
 use crate::number::{number, rounded};
 use crate::units;
-
-/// A length of a message in mm, from metres.
-fn mm(meters: f64) -> String {
-    number(units::mm(meters))
-}
 
 /// An angle of a message in degrees, from radians.
 fn deg(radians: f64) -> String {
     number(units::deg(radians))
 }
 
-/// Why a mechanism of this name becomes no three-rod robot, in mm and degrees.
+/// Why a mechanism of this name becomes no three-rod robot.
 #[must_use]
-pub fn explain_recognition(name: &str, error: &NotThreeRods) -> String {
+pub fn explain_recognition(name: &str, error: &NotThreeRods, units: DisplayUnits) -> String {
     let reason = match error {
         NotThreeRods::NotParallel { joint, angle } => format!(
             "joint {joint:?} is inclined by {}° to the first rod, but rods are parallel",
             rounded(angle.to_degrees(), 6)
         ),
         NotThreeRods::UnequalLimits { joint, min, max } => format!(
-            "the rod of joint {joint:?} has limits from {} to {} mm, but the first has others: all rods need the same",
-            rounded(units::mm(*min), 6),
-            rounded(units::mm(*max), 6)
+            "the rod of joint {joint:?} has limits from {} to {}, but the first has others: all rods need the same",
+            rounded(units.from_meters(*min), 6),
+            units.significant(*max, 6)
         ),
         // Its joints are those of such a robot.
-        NotThreeRods::Dimensions(error) => return explain(error),
+        NotThreeRods::Dimensions(error) => return explain(error, units),
         _ => error.to_string(),
     };
     format!("{name} is not a three-rod robot: {reason}")
@@ -53,16 +49,17 @@ pub fn explain_unassembled(found: &Unassembled, units: Units) -> String {
     })
 }
 
-/// The message of an error, in mm and degrees.
+/// The message of an error.
 #[must_use]
-pub fn explain(error: &Error) -> String {
+pub fn explain(error: &Error, units: DisplayUnits) -> String {
+    let length = |meters: f64| units.exact(meters);
     match error {
         Error::NotPositive { what, limb, value } => {
-            format!("{what} of limb {limb} is {} mm, but has to be positive", mm(*value))
+            format!("{what} of limb {limb} is {}, but has to be positive", length(*value))
         }
         Error::LimitsReversed { what, min, max } => {
             let fault = range_fault(*min, *max);
-            format!("the {what} limits are {fault}: least {} mm, most {} mm", mm(*min), mm(*max))
+            format!("the {what} limits are {fault}: least {}, most {}", length(*min), length(*max))
         }
         Error::OutOfRange { what, value, min, max, unit: "rad" } => {
             format!(
@@ -74,30 +71,31 @@ pub fn explain(error: &Error) -> String {
         }
         Error::OutOfRange { what, value, min, max, .. } => {
             format!(
-                "the {what} is {} mm, but has to lie from {} to {} mm",
-                mm(*value),
-                mm(*min),
-                mm(*max)
+                "the {what} is {}, but has to lie from {} to {}",
+                length(*value),
+                units.number(*min),
+                length(*max)
             )
         }
         Error::BeyondLimits(broken) => {
-            let limits: Vec<String> = broken.iter().map(|limit| explain_limit(&limit)).collect();
+            let limits: Vec<String> =
+                broken.iter().map(|limit| explain_limit(&limit, units)).collect();
             format!("the pose is beyond the robot's limits: {}", limits.join("; "))
         }
         Error::TiltTooLarge { tilt_angle } => {
             format!("the tilt angle is {}°, but has to lie between -90° and 90°", deg(*tilt_angle))
         }
         Error::NotConverged(unconverged) => format!(
-            "the {} iteration for the virtual joints did not converge in {} steps: the best sides deviate by {} mm, at most {} mm are allowed\n  best virtual joints (m, rad): {}",
+            "the {} iteration for the virtual joints did not converge in {} steps: the best sides deviate by {}, at most {} are allowed\n  best virtual joints (m, rad): {}",
             unconverged.solver,
             unconverged.iterations,
-            rounded(units::mm(unconverged.residual), 4),
-            rounded(units::mm(unconverged.threshold), 4),
+            units.significant(unconverged.residual, 4),
+            units.significant(unconverged.threshold, 4),
             unconverged.best.iter().map(|&one| rounded(one, 6)).collect::<Vec<_>>().join(", "),
         ),
         Error::DependentSides { characteristic_length, iterations } => format!(
-            "the virtual joints cannot change the three sides independently after {iterations} iterations; the characteristic length of {} mm may weigh angles too lightly or too heavily",
-            rounded(units::mm(*characteristic_length), 6)
+            "the virtual joints cannot change the three sides independently after {iterations} iterations; the characteristic length of {} may weigh angles too lightly or too heavily",
+            units.significant(*characteristic_length, 6)
         ),
         Error::NotFinite { what, value } => {
             format!("{what} is {}, but has to be a finite number", number(*value))
@@ -115,20 +113,27 @@ pub fn explain(error: &Error) -> String {
             rounded(*residual, 3),
             number(*allowed)
         ),
-        Error::NotAssembled(found) => explain_unassembled(found, Units::MM),
+        Error::NotAssembled(found) => {
+            let length = match units {
+                DisplayUnits::Metric => LengthUnit::Millimeter,
+                DisplayUnits::Imperial => LengthUnit::Inch,
+            };
+            explain_unassembled(found, Units { length, ..Units::MM })
+        }
         other => other.to_string(),
     }
 }
 
-/// The message of a violated limit, in mm and degrees.
+/// The message of a violated limit.
 #[must_use]
-pub fn explain_limit(limit: &BrokenLimit) -> String {
+pub fn explain_limit(limit: &BrokenLimit, units: DisplayUnits) -> String {
     match limit {
         BrokenLimit::Rod { limb, length, min, max } => {
-            let (min, max) = (units::mm(*min), units::mm(*max));
-            let length = beyond(units::mm(*length), min, max);
-            let (min, max) = (number(min), number(max));
-            format!("rod {limb} is {length} mm long, its limits are {min} to {max} mm")
+            let bounds = [*min, *max].map(|meters| units.from_meters(meters));
+            let length = beyond(units.from_meters(*length), bounds[0], bounds[1]);
+            let unit = units.unit();
+            let (min, max) = (units.number(*min), units.exact(*max));
+            format!("rod {limb} is {length} {unit} long, its limits are {min} to {max}")
         }
         BrokenLimit::Tilt { angle: tilt_angle, max } => {
             let max = units::deg(*max);

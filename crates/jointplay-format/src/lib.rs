@@ -29,6 +29,7 @@ pub mod catalogue;
 pub mod cell;
 pub mod command;
 pub mod coordinates;
+pub mod display_units;
 pub mod explain;
 pub mod expression;
 pub mod file_problem;

@@ -2,6 +2,7 @@
 
 mod edit;
 
+use crate::display_units::DisplayUnits;
 use jointplay_core::gpr::{Gpr, Limb, Limits};
 use nalgebra::Vector2;
 use toml::de::DeValue;
@@ -140,7 +141,7 @@ pub enum Problem {
         expression: String,
     },
     /// Values that define no robot.
-    #[error("{}", explain(.0))]
+    #[error("{}", explain(.0, DisplayUnits::Metric))]
     Geometry(jointplay_core::Error),
 }
 

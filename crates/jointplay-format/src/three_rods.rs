@@ -63,6 +63,7 @@ pub fn lost_in_robot(file: &MechanismFile) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::display_units::DisplayUnits;
     use crate::explain::explain_recognition;
     use crate::{catalogue, mechanism, robot};
 
@@ -103,12 +104,12 @@ mod tests {
         let refused = |name: &str| {
             let file = mechanism::parse(catalogue::find(name).unwrap().text).unwrap();
             let error = super::robot(&file, 0.1).unwrap_err();
-            explain_recognition(name, &error)
+            explain_recognition(name, &error, DisplayUnits::Metric)
         };
         assert!(refused("hexapod").contains("but there are 6 prismatic"), "{}", refused("hexapod"));
         let paper = mechanism_file(&robot::paper(), BuiltIn::Planar).unwrap();
         let error = super::robot(&paper, -0.1).unwrap_err();
-        let message = explain_recognition("GPR", &error);
+        let message = explain_recognition("GPR", &error, DisplayUnits::Metric);
         assert!(message.starts_with("the largest tilt is"), "{message}");
         assert!(refused("3-rps").contains("3 other joints"), "{}", refused("3-rps"));
     }

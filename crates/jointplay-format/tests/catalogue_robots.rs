@@ -9,6 +9,7 @@ use jointplay_cell::station::LineRemedy;
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_format::cell::robot::names;
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::program;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
 
@@ -24,7 +25,9 @@ struct Refusal {
 fn planned(cell: &Cell, text: &str) -> Result<Trajectory, Refusal> {
     let parsed = program::parse(text).unwrap();
     let steps = expand(cell, &parsed).map_err(|errors| Refusal {
-        message: program::explain(&cell.robot, text, &errors[0]).problem.message,
+        message: program::explain(&cell.robot, text, &errors[0], DisplayUnits::Metric)
+            .problem
+            .message,
         problem: Some(Box::new(errors[0].problem.clone())),
     })?;
     plan_trajectory(cell, steps, &TrajectoryOptions::default())

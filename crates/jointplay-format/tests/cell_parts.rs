@@ -2,7 +2,7 @@
 
 use jointplay_cell::workcell::{Cell, ParentFrame};
 use jointplay_format::cell::{self, EXAMPLE, Errors, expand, read, read_with};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
 fn no_files(name: &str) -> Result<Vec<u8>, String> {
@@ -501,4 +501,37 @@ fn the_reference_lists_the_parts_of_the_library() {
         std::fs::read_to_string(path).unwrap() == expected,
         "docs/reference/parts.md differs from the library; rewrite it by\n  INSTA_UPDATE=always cargo test -p jointplay-format --test all cell_parts"
     );
+}
+
+/// Height of the lowest point of the bodies of each station above the floor (m).
+fn lowest_points(cell: &Cell) -> Vec<f64> {
+    let lowest = |station: usize| {
+        let bodies = cell.bodies.iter().filter(|body| body.station == Some(station));
+        let heights = bodies.flat_map(|body| {
+            let vertices = body.shape.surface().vertices;
+            vertices.into_iter().map(|[x, y, z]| (body.parent_from_shape * Point3::new(x, y, z)).z)
+        });
+        heights.fold(f64::INFINITY, f64::min)
+    };
+    (0..cell.stations.len()).map(lowest).collect()
+}
+
+#[test]
+fn stations_rest_on_the_floor() {
+    // Levelling feet of 5 mm are omitted; LP2 and PM1 are inclined.
+    let example = read(EXAMPLE, &mut no_files).unwrap();
+    for (height, station) in lowest_points(&example).into_iter().zip(&example.stations) {
+        assert!((0.0..0.009).contains(&height), "{}: {height} m", station.name);
+    }
+    for part in ["foup", "load-port", "aligner", "chamber", "wafer-rest"] {
+        let placed = |floor: &str| {
+            let text = format!(
+                "[[part]]\npart = \"{part}\"\nname = \"P\"\nposition_mm = [700, 0, 650]\nretract_mm = 10\n{floor}"
+            );
+            lowest_points(&cell(&text))[0]
+        };
+        let height = placed("floor_mm = 650\n");
+        assert!(height.abs() < 1e-12, "{part}: {height} m");
+        assert!(placed("") > 0.2, "{part} has no pedestal by default");
+    }
 }

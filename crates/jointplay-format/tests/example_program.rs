@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use jointplay_cell::program::{Handoff, Path, Phase, Step, expand};
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::{cell, program};
 
 const CELL: &str = include_str!("../cells/example.toml");
@@ -13,8 +14,10 @@ fn a_lot_is_processed_and_returned() {
     let cell = cell::read(CELL, &mut |path| Err(format!("{path} is not there"))).unwrap();
     assert_eq!(program::format(PROGRAM).unwrap(), PROGRAM);
     let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap_or_else(|errors| {
-        let shown =
-            |error| program::explain(&cell.robot, PROGRAM, error).with_excerpt("example.program");
+        let shown = |error| {
+            program::explain(&cell.robot, PROGRAM, error, DisplayUnits::Metric)
+                .with_excerpt("example.program")
+        };
         panic!("{}", errors.iter().map(shown).collect::<Vec<_>>().join("\n"))
     });
     let mut full: BTreeSet<_> = cell.occupied.iter().copied().collect();

@@ -11,6 +11,7 @@ use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Tilt, heading};
 use jointplay_format::cell::explain::explain_stopped;
 use jointplay_format::cell::{EXAMPLE, read};
+use jointplay_format::display_units::DisplayUnits;
 use nalgebra::Vector3;
 
 const A: EffectorId = EffectorId { arm: 0, effector: 0 };
@@ -55,7 +56,7 @@ fn motors_stop_at_their_limits_and_rods_at_the_tilt_limit() {
         matches!(&stopped, StopReason::Limits(broken) if matches!(broken[..], [LimitViolation::Axis { axis: 4, .. }]))
     );
     assert_eq!(
-        explain_stopped(&cell, &stopped),
+        explain_stopped(&cell, &stopped, DisplayUnits::Metric),
         ["axis RA at 286.4789°, limits -45.0000° to 80.0000°"]
     );
     to = from.clone();
@@ -63,7 +64,10 @@ fn motors_stop_at_their_limits_and_rods_at_the_tilt_limit() {
     let jogged = cell.jog_axes(&from, &to).unwrap();
     let tilt = cell.robot.gpr.plane_tilt(&[jogged.positions[0], from[1], from[2]]);
     near(tilt.angle, cell.robot.gpr.limits().tilt_max, 1e-9);
-    assert!(explain_stopped(&cell, &jogged.stopped.unwrap())[0].starts_with("tilt of "));
+    assert!(
+        explain_stopped(&cell, &jogged.stopped.unwrap(), DisplayUnits::Metric)[0]
+            .starts_with("tilt of ")
+    );
     assert_eq!(cell.jog_axes(&from, &from).unwrap().stopped, None);
     assert!(cell.jog_axes(&from, &from[1..]).is_err());
 }

@@ -14,6 +14,7 @@ use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::program::{explain, parse};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -344,7 +345,7 @@ fn counters_increase_and_decrease_slot_numbers() {
 fn refused(cell: &Cell, text: &str) -> String {
     let errors = expand(cell, &parse(text).unwrap()).unwrap_err();
     let messages = errors.iter().map(|error| {
-        let shown = explain(&cell.robot, text, error);
+        let shown = explain(&cell.robot, text, error, DisplayUnits::Metric);
         assert_eq!(shown.with_excerpt("lot").lines().count(), 4);
         format!("{}:{}: {shown}\n", shown.place.line, shown.place.column)
     });
@@ -364,7 +365,7 @@ fn an_unknown_station_has_a_suggestion() {
     let cell = cell();
     let errors = expand(&cell, &parse(text).unwrap()).unwrap_err();
     assert_eq!(
-        explain(&cell.robot, text, &errors[0]).with_excerpt("lot.program"),
+        explain(&cell.robot, text, &errors[0], DisplayUnits::Metric).with_excerpt("lot.program"),
         "lot.program:2:5: the station `prot-1` is not known; known: port-1, port-2, aligner, process (did you mean `port-1`?)\n  |\n2 | GET prot-1 SLOT 3 WITH A  # typing\n  |     ^^^^^^"
     );
 }

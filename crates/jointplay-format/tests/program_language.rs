@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use jointplay_cell::program::{Step, expand};
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{IncrementalPlanner, PlanOptions};
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::program::{Setting, explain, format, parse, with_parameters};
 use jointplay_format::{cell, place};
 use proptest::prelude::*;
@@ -19,7 +20,7 @@ static CELL: LazyLock<Cell> = LazyLock::new(|| {
 fn refused(text: &str) -> String {
     let errors = expand(&CELL, &parse(text).unwrap()).unwrap_err();
     let messages = errors.iter().map(|error| {
-        let shown = explain(&CELL.robot, text, error);
+        let shown = explain(&CELL.robot, text, error, DisplayUnits::Metric);
         format!("{}:{}: {shown}\n", shown.place.line, shown.place.column)
     });
     messages.collect()

@@ -11,6 +11,7 @@ use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, PlanError, PlanOptions, check::Report};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::cell::{Change, set_station};
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::program::Setting;
 use jointplay::format::{cell, program};
 use jointplay::nalgebra::Vector3;
@@ -285,7 +286,9 @@ impl PyCell {
             PlanError::Program(problems) => {
                 let explained: Vec<_> = problems
                     .iter()
-                    .map(|problem| program::explain(robot, &source.text, problem))
+                    .map(|problem| {
+                        program::explain(robot, &source.text, problem, DisplayUnits::Metric)
+                    })
                     .collect();
                 if !problems.iter().all(|problem| problem.problem.is_infeasible()) {
                     return errors::file(py, &source.label, &explained);
@@ -298,7 +301,13 @@ impl PyCell {
             PlanError::Trajectory(error) => error
                 .steps
                 .iter()
-                .map(|one| (one.place.line, one.place.column, explain_step(robot, one)))
+                .map(|one| {
+                    (
+                        one.place.line,
+                        one.place.column,
+                        explain_step(robot, one, DisplayUnits::Metric),
+                    )
+                })
                 .collect(),
             PlanError::Cell(_) | PlanError::Interrupted(_) => {
                 return errors::input(py, &error.to_string());

@@ -6,6 +6,7 @@ use jointplay::cell::check::{self, CheckOptions, CheckResult, Report};
 use jointplay::cell::robot::AxisKind;
 use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
 use jointplay::interop::export::{self, MotionExport, SampleOptions, ViolationNote};
 use jointplay::report;
@@ -120,11 +121,13 @@ impl PyCellPlan {
     fn report<'py>(&self, py: Python<'py>, remedies: bool) -> PyResult<Bound<'py, PyAny>> {
         let text = py.detach(|| {
             let (cell, motion) = (&*self.cell, &self.motion);
-            let mut document = report::cell(cell, &self.program, motion, &self.report);
+            let mut document =
+                report::cell(cell, &self.program, motion, &self.report, DisplayUnits::Metric);
             if remedies {
                 let options = CheckOptions::default();
                 let found = check::remedies(cell, motion, &options, &self.report, &|| false).ok();
-                document.remedies = found.map(|found| report::remedy_reports(cell, &found));
+                document.remedies =
+                    found.map(|found| report::remedy_reports(cell, &found, DisplayUnits::Metric));
             }
             serde_json::to_string(&document)
         });

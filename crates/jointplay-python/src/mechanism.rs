@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::explain::explain_recognition;
 use jointplay::format::mechanism::{
     self, LengthUnit, MAX_BYTES, MechanismFile, ParameterError, Units,
@@ -165,9 +166,9 @@ impl PyMechanism {
     ///     With the reason, for a mechanism that is no such robot.
     fn to_gpr(&self, py: Python<'_>, tilt_limit_rad: &Bound<'_, PyAny>) -> PyResult<PyGpr> {
         let limit = finite(tilt_limit_rad, "tilt_limit_rad")?;
-        three_rods::robot(&self.file, limit)
-            .map(PyGpr::of)
-            .map_err(|error| errors::input(py, &explain_recognition(self.name(), &error)))
+        three_rods::robot(&self.file, limit).map(PyGpr::of).map_err(|error| {
+            errors::input(py, &explain_recognition(self.name(), &error, DisplayUnits::Metric))
+        })
     }
 
     /// A mechanism of the catalogue, by its name; `jointplay.catalogue()` lists all.

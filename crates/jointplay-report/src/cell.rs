@@ -9,6 +9,7 @@ use jointplay_cell::schedule::schedule;
 use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::virtualization::BuiltIn;
+use jointplay_format::display_units::DisplayUnits;
 use serde::Serialize;
 
 use crate::distance::{DistanceReport, distance};
@@ -241,8 +242,15 @@ pub struct ViolationReport {
 ///
 /// # Arguments
 /// * `program` – text of the program, from which lines are quoted
+/// * `units` – of the violations and their messages
 #[must_use]
-pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) -> CellReport {
+pub fn cell(
+    cell: &Cell,
+    program: &str,
+    motion: &Trajectory,
+    report: &Report,
+    units: DisplayUnits,
+) -> CellReport {
     let robot = &cell.robot;
     let lines: Vec<&str> = program.lines().map(str::trim).collect();
     let effectors: Vec<String> = robot
@@ -317,8 +325,8 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         samples: report.samples,
         axes: moving.collect(),
         instructions: instructions.collect(),
-        violations: report.violations.iter().map(|one| violation(cell, one)).collect(),
-        violation_groups: violation_groups(cell, &motion.steps, &report.violations),
+        violations: report.violations.iter().map(|one| violation(cell, one, units)).collect(),
+        violation_groups: violation_groups(cell, &motion.steps, &report.violations, units),
         remedies: None,
         not_checked: unmodelled(cell).into_iter().map(|part| unmodelled_name(cell, part)).collect(),
         bodies_in_zones: body_in_zone_reports(cell),
@@ -424,8 +432,8 @@ pub fn excerpt(program: &str, at: SourceLocation, message: &str, file: &str) -> 
     place::Error { place, problem: Box::new(message) }.with_excerpt(file)
 }
 
-fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
-    let (unit, worst) = in_display_unit(one, one.worst);
+fn violation(cell: &Cell, one: &Violation, units: DisplayUnits) -> ViolationReport {
+    let (unit, worst) = in_display_unit(one, one.worst, units);
     let counts = !unit.is_empty() && one.worst.is_finite();
     ViolationReport {
         kind: one.kind.to_string(),
@@ -438,8 +446,8 @@ fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
         end_s: one.end,
         worst_s: one.worst_time,
         worst: counts.then_some(worst),
-        limit: counts.then(|| in_display_unit(one, one.limit).1),
+        limit: counts.then(|| in_display_unit(one, one.limit, units).1),
         unit,
-        message: explain_violation(cell, one),
+        message: explain_violation(cell, one, units),
     }
 }

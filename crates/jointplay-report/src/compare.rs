@@ -3,6 +3,7 @@
 use jointplay_cell::displacement::lever_shift;
 use jointplay_core::gpr::BrokenLimit;
 use jointplay_core::spatial::Tilt;
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_study::Comparison;
 
 use crate::limits::LimitReport;
@@ -96,7 +97,7 @@ pub fn compare(
         center_shift_x_um: curve.center_shift.iter().map(|shift| um(shift.x)).collect(),
         center_shift_y_um: curve.center_shift.iter().map(|shift| um(shift.y)).collect(),
         largest_displacement_um: curve.largest_displacement.iter().copied().map(um).collect(),
-        failure: curve.failure.as_ref().map(|error| explain(error)),
+        failure: curve.failure.as_ref().map(|error| explain(error, DisplayUnits::Metric)),
     };
     CompareReport {
         azimuth_deg: deg(comparison.azimuth),
@@ -105,6 +106,6 @@ pub fn compare(
         models: comparison.models.iter().map(model).collect(),
         approximate_gap_um: comparison.approximate_gap.iter().copied().map(um).collect(),
         wafers: wafers.iter().map(lever).collect(),
-        limits_broken: crate::limits::limits(broken),
+        limits_broken: crate::limits::limits(broken, DisplayUnits::Metric),
     }
 }

@@ -2,6 +2,7 @@
 
 use jointplay_core::gpr::{BrokenLimit, Gpr, PlatformPose};
 use jointplay_core::virtualization::Virtualization;
+use jointplay_format::display_units::DisplayUnits;
 
 use crate::ball_clearance::BallClearanceReport;
 use crate::limits::LimitReport;
@@ -79,7 +80,7 @@ pub fn forward<V: Virtualization + ?Sized>(
         },
         iterations: pose.solution.iterations,
         residual_mm: mm(pose.solution.residual),
-        limits_broken: crate::limits::limits(broken),
+        limits_broken: crate::limits::limits(broken, DisplayUnits::Metric),
         ball_clearance: crate::ball_clearance::ball_clearance(
             &gpr.needed_clearance(pose, virtualization),
         ),

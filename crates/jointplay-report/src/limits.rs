@@ -1,6 +1,7 @@
 //! Reports on violated limits of the three-rod robot.
 
 use jointplay_core::gpr::BrokenLimit;
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::explain::explain_limit;
 use jointplay_format::units::{deg, mm};
 
@@ -24,13 +25,13 @@ pub struct LimitReport {
     pub message: String,
 }
 
-/// Reports violated limits.
+/// Reports violated limits, with messages in units of display.
 #[must_use]
-pub fn limits(broken: &[BrokenLimit]) -> Vec<LimitReport> {
+pub fn limits(broken: &[BrokenLimit], units: DisplayUnits) -> Vec<LimitReport> {
     broken
         .iter()
         .map(|limit| {
-            let message = explain_limit(limit);
+            let message = explain_limit(limit, units);
             match *limit {
                 BrokenLimit::Rod { limb, length, min, max } => LimitReport {
                     limit: format!("rod {limb}"),

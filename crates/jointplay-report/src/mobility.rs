@@ -2,6 +2,7 @@
 
 use jointplay_core::gpr::{BrokenLimit, PlatformPose};
 use jointplay_core::mobility::{FiniteMobility, InstantaneousMobility};
+use jointplay_format::display_units::DisplayUnits;
 use nalgebra::DMatrix;
 
 use crate::limits::LimitReport;
@@ -110,7 +111,7 @@ pub fn mobility(
             augmented_mobility: found.mobility,
             augmented_singular_values: found.singular_values.iter().copied().collect(),
         }),
-        limits_broken: crate::limits::limits(broken),
+        limits_broken: crate::limits::limits(broken, DisplayUnits::Metric),
     }
 }
 

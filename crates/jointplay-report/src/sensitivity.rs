@@ -2,6 +2,7 @@
 
 use jointplay_core::gpr::{BrokenLimit, EvaluatedBounds, Gpr, TiltPlay};
 use jointplay_core::virtualization::Virtualization;
+use jointplay_format::display_units::DisplayUnits;
 
 use crate::ball_clearance::BallClearanceReport;
 use crate::limits::LimitReport;
@@ -107,7 +108,7 @@ pub fn sensitivity<V: Virtualization + ?Sized>(
         ],
         rod_shares: play.limb_shares.clone(),
         side_shares: play.side_shares.clone(),
-        limits_broken: crate::limits::limits(broken),
+        limits_broken: crate::limits::limits(broken, DisplayUnits::Metric),
         ball_clearance: crate::ball_clearance::ball_clearance(
             &gpr.needed_clearance(&play.end, virtualization),
         ),

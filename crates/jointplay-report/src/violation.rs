@@ -1,21 +1,35 @@
-//! Messages of violations, in mm and degrees.
+//! Messages of violations, in units of display and degrees.
 
 use jointplay_cell::check::{Violation, ViolationKind, ViolationQuantity};
 use jointplay_cell::workcell::Cell;
 
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::number::number as plain;
-use jointplay_format::units::{deg, mm, um};
+use jointplay_format::units::{deg, um};
 
 /// Unit of messages, and a value of a violation in this unit.
-pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64) {
+pub(crate) fn in_display_unit(
+    one: &Violation,
+    value: f64,
+    units: DisplayUnits,
+) -> (&'static str, f64) {
+    let length = || units.from_meters(value);
+    let of_length = |metric: &'static str, imperial: &'static str| match units {
+        DisplayUnits::Metric => metric,
+        DisplayUnits::Imperial => imperial,
+    };
     match (one.quantity, one.kind) {
         (ViolationQuantity::None, _) => ("", value),
         (ViolationQuantity::SpecificForce, _) => ("m/s²", value),
         (ViolationQuantity::Time, _) => ("s", value),
-        (ViolationQuantity::Length, ViolationKind::Velocity) => ("mm/s", mm(value)),
-        (ViolationQuantity::Length, ViolationKind::Acceleration) => ("mm/s²", mm(value)),
-        (ViolationQuantity::Length, ViolationKind::Jerk) => ("mm/s³", mm(value)),
-        (ViolationQuantity::Length, _) => ("mm", mm(value)),
+        (ViolationQuantity::Length, ViolationKind::Velocity) => {
+            (of_length("mm/s", "in/s"), length())
+        }
+        (ViolationQuantity::Length, ViolationKind::Acceleration) => {
+            (of_length("mm/s²", "in/s²"), length())
+        }
+        (ViolationQuantity::Length, ViolationKind::Jerk) => (of_length("mm/s³", "in/s³"), length()),
+        (ViolationQuantity::Length, _) => (units.unit(), length()),
         (ViolationQuantity::Angle, ViolationKind::Velocity) => ("°/s", deg(value)),
         (ViolationQuantity::Angle, ViolationKind::Acceleration) => ("°/s²", deg(value)),
         (ViolationQuantity::Angle, ViolationKind::Jerk) => ("°/s³", deg(value)),
@@ -23,15 +37,15 @@ pub(crate) fn in_display_unit(one: &Violation, value: f64) -> (&'static str, f64
     }
 }
 
-/// The message of a violation in mm or µm and degrees, without its time and line.
+/// The message of a violation, without its time and line.
 #[must_use]
-pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
+pub fn explain_violation(cell: &Cell, one: &Violation, units: DisplayUnits) -> String {
     let name =
         |k: usize| one.entities.get(k).map_or_else(String::new, |&one| cell.entity_name(one));
     let label =
         |k: usize| one.entities.get(k).map_or_else(String::new, |&one| cell.entity_label(one));
-    let number = |value: f64| quantity(one, value, DECIMALS);
-    let (worst, limit) = distinct(one);
+    let number = |value: f64| quantity(one, value, DECIMALS, units);
+    let (worst, limit) = distinct(one, units);
     match one.kind {
         ViolationKind::Position => {
             format!("axis {} reaches {worst}, its limit is {limit}", name(0))
@@ -138,22 +152,26 @@ const LEAST_MARGIN: f64 = 1e-9;
 const DECIMALS: usize = 3;
 /// Largest number of decimals.
 const MOST_DECIMALS: usize = 12;
-/// Shorter lengths are in µm in a message (mm).
-const SHORTEST_IN_MM: f64 = 0.1;
+/// Shorter lengths are in the unit of small lengths in a message (m).
+const SHORTEST: f64 = 1e-4;
 
 /// The worst value and the limit of a violation, with enough decimals to differ.
-fn distinct(one: &Violation) -> (String, String) {
-    let with = |decimals| [one.worst, one.limit].map(|value| quantity(one, value, decimals));
+fn distinct(one: &Violation, units: DisplayUnits) -> (String, String) {
+    let with = |decimals| [one.worst, one.limit].map(|value| quantity(one, value, decimals, units));
     let found = (DECIMALS..MOST_DECIMALS).map(with).find(|[worst, limit]| worst != limit);
     let [worst, limit] = found.unwrap_or_else(|| with(MOST_DECIMALS));
     (worst, limit)
 }
 
 /// A value of a violation with its unit.
-fn quantity(one: &Violation, value: f64, decimals: usize) -> String {
-    let (mut unit, mut value) = in_display_unit(one, value);
-    if unit == "mm" && value != 0.0 && value.abs() < SHORTEST_IN_MM {
-        (unit, value) = ("µm", value * 1e3);
+fn quantity(one: &Violation, si: f64, decimals: usize, units: DisplayUnits) -> String {
+    let (mut unit, mut value) = in_display_unit(one, si, units);
+    let mut decimals = decimals;
+    if unit == units.unit() && si != 0.0 && si.abs() < SHORTEST {
+        (unit, value) = (units.small_unit(), units.small_from_meters(si));
+        decimals = units.small_decimals(decimals);
+    } else if one.quantity == ViolationQuantity::Length {
+        decimals = units.decimals(decimals);
     }
     let gap = if unit.starts_with('°') { "" } else { " " };
     format!("{}{gap}{unit}", short(value, decimals)).trim_end().to_owned()
@@ -211,9 +229,12 @@ mod tests {
             quantity: ViolationQuantity::Length,
             detail: String::new(),
         };
-        let shown = |worst, limit| distinct(&violation(worst, limit));
+        let shown = |worst, limit| distinct(&violation(worst, limit), DisplayUnits::Metric);
         let expected = |worst: &str, limit: &str| (worst.to_owned(), limit.to_owned());
         assert_eq!(shown(7.5464e-8, 1e-3), expected("0.075 µm", "1 mm"));
         assert_eq!(shown(0.999_999_9e-3, 1e-3), expected("0.9999999 mm", "1 mm"));
+        let inches = |worst, limit| distinct(&violation(worst, limit), DisplayUnits::Imperial);
+        assert_eq!(inches(50.8e-6, 2.54e-3), expected("2 mil", "0.1 in"));
+        assert_eq!(inches(2.539_999e-3, 2.54e-3), expected("0.09999996 in", "0.1 in"));
     }
 }

@@ -6,6 +6,7 @@ use jointplay_cell::check::{
 };
 use jointplay_cell::program::Step;
 use jointplay_cell::workcell::Cell;
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::number::counted;
 use jointplay_format::program::phase_name;
 use jointplay_format::units::mm;
@@ -110,17 +111,20 @@ pub fn violation_groups(
     cell: &Cell,
     steps: &[Step],
     violations: &[Violation],
+    units: DisplayUnits,
 ) -> Vec<ViolationGroupReport> {
     let groups = group_violations(steps, violations);
-    groups.iter().map(|group| group_report(cell, violations, group)).collect()
+    groups.iter().map(|group| group_report(cell, violations, group, units)).collect()
 }
 
 fn group_report(
     cell: &Cell,
     violations: &[Violation],
     group: &ViolationGroup,
+    units: DisplayUnits,
 ) -> ViolationGroupReport {
     let worst = &violations[group.worst];
+    let displayed = |violation: &Violation, value: f64| displayed(violation, value, units);
     let occurrence = |one: &ViolationOccurrence| {
         let worst = &violations[one.worst];
         OccurrenceReport {
@@ -148,21 +152,21 @@ fn group_report(
         worst: displayed(worst, worst.worst),
         limit: displayed(worst, worst.limit),
         excess: displayed(worst, worst.excess()),
-        unit: in_display_unit(worst, worst.worst).0,
-        message: explain_violation(cell, worst),
+        unit: in_display_unit(worst, worst.worst, units).0,
+        message: explain_violation(cell, worst, units),
         occurrences: group.occurrences.iter().map(occurrence).collect(),
     }
 }
 
 /// A value of a violation in its display unit; none without a value.
-fn displayed(violation: &Violation, value: f64) -> Option<f64> {
-    let (unit, shown) = in_display_unit(violation, value);
+fn displayed(violation: &Violation, value: f64, units: DisplayUnits) -> Option<f64> {
+    let (unit, shown) = in_display_unit(violation, value, units);
     (!unit.is_empty() && value.is_finite() && violation.worst.is_finite()).then_some(shown)
 }
 
-/// The remedies in mm and words.
+/// The remedies in numbers and words.
 #[must_use]
-pub fn remedy_reports(cell: &Cell, remedies: &[Remedy]) -> Vec<RemedyReport> {
+pub fn remedy_reports(cell: &Cell, remedies: &[Remedy], units: DisplayUnits) -> Vec<RemedyReport> {
     let report = |remedy: &Remedy| {
         let name = cell.entity_name(remedy.entity);
         let translation_mm = remedy.translation.map(|length| (length * 1e4).round() / 10.0);
@@ -170,16 +174,17 @@ pub fn remedy_reports(cell: &Cell, remedies: &[Remedy]) -> Vec<RemedyReport> {
             1 => "its violation".to_owned(),
             count => format!("its {}", counted(count, "violation")),
         };
-        let message = format!("{}, which removes {removed}", in_words(&name, translation_mm));
+        let message =
+            format!("{}, which removes {removed}", in_words(&name, remedy.translation, units));
         RemedyReport { name, translation_mm, violations: remedy.violations, message }
     };
     remedies.iter().map(report).collect()
 }
 
 /// A translation along an axis in words.
-fn in_words(name: &str, translation_mm: [f64; 3]) -> String {
-    let by = |length: f64| format!("{:.1} mm", length.abs());
-    let [x, y, z] = translation_mm;
+fn in_words(name: &str, translation: [f64; 3], units: DisplayUnits) -> String {
+    let by = |length: f64| units.length(length.abs(), 1);
+    let [x, y, z] = translation;
     let sign = |length: f64| if length < 0.0 { "−" } else { "+" };
     if z < 0.0 {
         format!("lower {name} by {}", by(z))

@@ -4,6 +4,7 @@
 use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::{cell, program};
 use jointplay_report::{self as report, CellReport};
 
@@ -18,7 +19,13 @@ fn report(changes: &[(&str, &str)]) -> CellReport {
     let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
     let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
     let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
-    report::cell(&cell, PROGRAM, &motion, &check(&cell, &motion, &CheckOptions::default()))
+    report::cell(
+        &cell,
+        PROGRAM,
+        &motion,
+        &check(&cell, &motion, &CheckOptions::default()),
+        DisplayUnits::Metric,
+    )
 }
 
 #[test]

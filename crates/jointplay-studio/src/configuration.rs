@@ -1,6 +1,7 @@
 //! Configurations of mechanisms as documents.
 
 use jointplay::constraint::{CLOSURE_TOLERANCE, System as _};
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::explain::explain;
 use jointplay::interop::export::MechanismShapes;
 use jointplay::mechanism::joint::Coordinate;
@@ -129,7 +130,7 @@ impl ReadMechanism {
         });
         let (configuration, problem) = match &closed {
             Ok(closed) => (Some(self.configuration(closed, play_scale)?), None),
-            Err(error) => (None, Some(explain(error))),
+            Err(error) => (None, Some(explain(error, DisplayUnits::of(file.units.length)))),
         };
         Ok(MechanismDocument {
             name: mechanism.name().to_owned(),

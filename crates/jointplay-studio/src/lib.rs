@@ -21,18 +21,22 @@
 //! | `mechanism_source.rs`, `configuration.rs` | mechanisms of requests, and their configurations as documents |
 //! | `meshes.rs` | mesh files named in the robot file |
 //! | `body.rs` | bodies of requests in JSON |
+//! | `length_header.rs` | the header that names the unit of lengths in messages |
 //! | `guard.rs` | access control: hosts, origins, security headers, deadline |
 //! | `page.rs` | the built page, embedded |
 //! | `work.rs` | computations on worker threads |
 //! | `ping.rs` | whether a studio answers |
 //! | `problem.rs` | errors as problem documents (RFC 9457) |
+//! | `display.rs` | units of lengths in the messages of a response |
 
 mod body;
 mod cell_files;
 mod compression;
 mod configuration;
 mod controller;
+mod display;
 mod guard;
+mod length_header;
 mod mechanism_file;
 mod mechanism_source;
 mod meshes;

@@ -225,3 +225,8 @@ pub(crate) fn play_scale(factor: f64) -> Result<f64, Problem> {
     let detail = format!("the play scale must be from 1 to 1e9, got {factor:e}");
     Err(Problem::field("play_scale", detail))
 }
+
+/// The problem of a mechanism with too many loops for an analysis.
+pub(crate) fn too_large(error: &jointplay::Error) -> Problem {
+    Problem::field("mechanism.text", error.to_string())
+}

@@ -17,6 +17,7 @@ use jointplay::cell::{
 };
 use jointplay::format::cell::explain::explain;
 use jointplay::format::cell::explain_trajectory::explain_step;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::program;
 use jointplay::interop::export::{self, MotionExport, Timeline, ViolationNote};
 use jointplay::report;
@@ -26,8 +27,10 @@ use crate::wire::cell::{Diagnostic, SourceText};
 
 /// Plan of a program in a cell, as far as planning succeeded.
 pub(crate) struct Plan {
-    /// Hash of both texts.
+    /// Hash of both texts and of the units.
     pub(crate) key: String,
+    /// Units of lengths in messages.
+    units: DisplayUnits,
     cell_text: String,
     program_text: String,
     pub(crate) cell: Option<Cell>,
@@ -76,16 +79,19 @@ impl Plan {
     /// Plans a program.
     ///
     /// # Arguments
+    /// * `units` – of lengths in messages
     /// * `last` – the previous plan, whose results are reused
     pub(crate) fn new(
         files: &CellFiles,
         (cell_text, program_text): (String, String),
+        units: DisplayUnits,
         memory: &mut IncrementalPlanner,
         last: Option<&Self>,
         stop: StopRequested<'_>,
     ) -> Result<Self, Interrupted> {
         let mut plan = Self {
-            key: key(&cell_text, &program_text),
+            key: key(&cell_text, &program_text, units),
+            units,
             cell_text,
             program_text,
             cell: None,
@@ -117,10 +123,11 @@ impl Plan {
             .map(|one| Diagnostic::new(SourceText::Program, &one.place, one.to_string()))
             .collect();
         if let (Some(cell), false) = (&plan.cell, errors.is_empty()) {
-            errors.extend(
-                PlanningError::Steps(name_errors(cell, &program))
-                    .diagnostics(cell, &plan.program_text),
-            );
+            errors.extend(PlanningError::Steps(name_errors(cell, &program)).diagnostics(
+                cell,
+                &plan.program_text,
+                units,
+            ));
             errors.sort_by_key(|one| (one.line, one.column));
         }
         let readable = errors.is_empty();
@@ -137,7 +144,7 @@ impl Plan {
             Err(PlanError::Program(errors)) => PlanningError::Steps(errors),
             Err(PlanError::Trajectory(error)) => PlanningError::Times(error),
         };
-        plan.diagnostics.extend(error.diagnostics(cell, &plan.program_text));
+        plan.diagnostics.extend(error.diagnostics(cell, &plan.program_text, units));
         Ok(plan)
     }
 
@@ -152,7 +159,7 @@ impl Plan {
         go_on()?;
         let Some(cell) = &self.cell else { return Ok(()) };
         self.violation_notes = export::violation_notes(cell, &report);
-        let document = report::cell(cell, &self.program_text, &motion, &report);
+        let document = report::cell(cell, &self.program_text, &motion, &report, self.units);
         go_on()?;
         let violation_notes = self.violation_notes.as_slice();
         let motion_export =
@@ -164,8 +171,9 @@ impl Plan {
         go_on()
     }
 
-    pub(crate) fn is_of(&self, cell: &str, program: &str) -> bool {
-        self.cell_text == cell && self.program_text == program
+    /// Whether it is the plan of these texts, with messages in these units.
+    pub(crate) fn is_of(&self, cell: &str, program: &str, units: DisplayUnits) -> bool {
+        self.cell_text == cell && self.program_text == program && self.units == units
     }
 
     /// Both texts, the cell first.
@@ -192,9 +200,9 @@ impl Plan {
     }
 }
 
-/// Hash of two texts.
-pub(crate) fn key(cell: &str, program: &str) -> String {
-    hashed((cell, program))
+/// Hash of two texts and of the units of messages.
+pub(crate) fn key(cell: &str, program: &str, units: DisplayUnits) -> String {
+    hashed((cell, program, units.unit()))
 }
 
 /// Why a program has no motion.
@@ -206,7 +214,7 @@ enum PlanningError {
 
 impl PlanningError {
     /// The errors with their positions in the text, without duplicates.
-    fn diagnostics(&self, cell: &Cell, text: &str) -> Vec<Diagnostic> {
+    fn diagnostics(&self, cell: &Cell, text: &str, units: DisplayUnits) -> Vec<Diagnostic> {
         let mut found: Vec<Diagnostic> = Vec::new();
         let mut add = |problem: Diagnostic| {
             if !found.contains(&problem) {
@@ -216,16 +224,16 @@ impl PlanningError {
         match self {
             // A cell that was read from a text is valid.
             Self::Cell(invalid) => invalid.iter().for_each(|one| {
-                let message = explain(&one.error);
+                let message = explain(&one.error, units);
                 add(Diagnostic { source: SourceText::Cell, line: 1, column: 1, width: 0, message });
             }),
             Self::Steps(errors) => errors.iter().for_each(|error| {
-                let error = program::explain(&cell.robot, text, error);
+                let error = program::explain(&cell.robot, text, error, units);
                 add(Diagnostic::new(SourceText::Program, &error.place, error.to_string()));
             }),
             Self::Times(error) => error.steps.iter().for_each(|one| {
                 let SourceLocation { line, column } = one.place;
-                let message = explain_step(&cell.robot, one);
+                let message = explain_step(&cell.robot, one, units);
                 add(Diagnostic { source: SourceText::Program, line, column, width: 0, message });
             }),
         }

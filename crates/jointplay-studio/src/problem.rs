@@ -10,6 +10,8 @@ use jointplay::report::{self, LimitReport};
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use crate::display::display_units;
+
 /// An error as `application/problem+json`.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct Problem {
@@ -98,7 +100,7 @@ impl Problem {
 
     /// The pose is beyond the robot's limits.
     pub(crate) fn limits(broken: &[BrokenLimit]) -> Self {
-        let limits_broken = report::limits(broken);
+        let limits_broken = report::limits(broken, display_units());
         let words: Vec<&str> = limits_broken.iter().map(|limit| limit.message.as_str()).collect();
         let detail = format!(
             "the pose is beyond the robot's limits: {}; set \"ignore_limits\": true to ignore them",
@@ -114,9 +116,13 @@ impl From<jointplay::Error> for Problem {
         let is_invalid_input =
             matches!(error, E::NotFinite { .. } | E::TiltTooLarge { .. } | E::OutOfRange { .. });
         if is_invalid_input {
-            Self::new(StatusCode::UNPROCESSABLE_ENTITY, Kind::Input, explain(&error))
+            Self::new(
+                StatusCode::UNPROCESSABLE_ENTITY,
+                Kind::Input,
+                explain(&error, display_units()),
+            )
         } else {
-            Self::new(StatusCode::CONFLICT, Kind::Unsolved, explain(&error))
+            Self::new(StatusCode::CONFLICT, Kind::Unsolved, explain(&error, display_units()))
         }
     }
 }

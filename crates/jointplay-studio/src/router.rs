@@ -13,6 +13,7 @@ use utoipa_axum::routes;
 use crate::body::MAX_BODY_BYTES;
 use crate::compression;
 use crate::guard::{self, Guard};
+use crate::length_header;
 use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
@@ -27,7 +28,7 @@ use crate::state::AppState;
 #[openapi(
     info(
         title = "jointplay studio",
-        description = "The three-rod robot of this server: poses, models, mobility, sensitivity, studies.\n\nUnits are SI and part of the field names, such as `rods_m` and `heading_rad`; documents of the command line are in mm and degrees. Every error is a problem document (RFC 9457) with the name of the field.",
+        description = "The three-rod robot of this server: poses, models, mobility, sensitivity, studies.\n\nUnits are SI and part of the field names, such as `rods_m` and `heading_rad`; documents of the command line are in mm and degrees. Lengths in messages are in the unit of the request header `Length-Unit`: `mm` (default) or `in`. Every error is a problem document (RFC 9457) with the name of the field.",
         license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
     ),
     tags((name = "studio"))
@@ -100,6 +101,7 @@ pub(crate) fn router(state: AppState, port: u16) -> Router {
         .method_not_allowed_fallback(method_not_allowed)
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .layer(middleware::from_fn(compression::compress))
+        .layer(middleware::from_fn(length_header::serve))
         .layer(middleware::from_fn_with_state(
             Guard::new(port, state.work.deadlines.request),
             guard::check,

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use jointplay::cell::{IncrementalPlanner, Interrupted, StopRequested};
 
 use crate::cell_files::{CellFiles, SaveError};
+use crate::display::display_units;
 use crate::plan::{Plan, Scene};
 
 /// Number of plans kept: that of the page, and one more.
@@ -44,15 +45,16 @@ impl WorkcellSession {
         self.0.plans.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The plan of a program in a cell, from the cache where both texts are those of a kept plan.
+    /// The plan of a program in a cell, from the cache where both texts are those of a kept plan, with messages in the units of the request.
     pub(crate) fn plan(
         &self,
         cell: String,
         program: String,
         stop: StopRequested<'_>,
     ) -> Result<Arc<Plan>, Interrupted> {
+        let units = display_units();
         let cached =
-            || self.plans().iter().find(|plan| plan.is_of(&cell, &program)).map(Arc::clone);
+            || self.plans().iter().find(|plan| plan.is_of(&cell, &program, units)).map(Arc::clone);
         if let Some(plan) = cached() {
             return Ok(plan);
         }
@@ -66,8 +68,14 @@ impl WorkcellSession {
         }
         let previous = self.plans().back().map(Arc::clone);
         let texts = (cell, program);
-        let plan =
-            Arc::new(Plan::new(&self.files(), texts, &mut memory, previous.as_deref(), stop)?);
+        let plan = Arc::new(Plan::new(
+            &self.files(),
+            texts,
+            units,
+            &mut memory,
+            previous.as_deref(),
+            stop,
+        )?);
         let mut plans = self.plans();
         plans.push_back(Arc::clone(&plan));
         while plans.len() > MAX_PLANS {

@@ -8,6 +8,7 @@ use axum::http::StatusCode;
 use jointplay::cell::StopRequested;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
+use crate::display::{display_units, with_units};
 use crate::problem::Problem;
 
 /// Deadlines of requests.
@@ -95,9 +96,10 @@ impl WorkerPool {
             let detail = "all workers are busy with other requests; try again later";
             return Err(Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail));
         };
+        let units = display_units();
         let computed = tokio::task::spawn_blocking(move || {
             let stop = move || gone.strong_count() == 0 || stopping.load(Ordering::Relaxed);
-            let answer = compute(&stop);
+            let answer = with_units(units, || compute(&stop));
             drop(permit);
             answer
         });

@@ -5,6 +5,7 @@ import { lineChange } from '../lib/lineChange';
 import { unpack } from '../lib/motion';
 import { metres, radians } from '../lib/units';
 import { connection } from './connection.svelte';
+import { messageUnit } from './lengthUnit';
 import type { components } from './schema';
 
 type Schemas = components['schemas'];
@@ -54,9 +55,8 @@ async function request(path: string, body?: unknown, signal?: AbortSignal, metho
   let response: Response;
   try {
     response = await fetch(`${ROOT}/${path}`, {
-      ...(body === undefined
-        ? {}
-        : { method, headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) }),
+      headers: { ...messageUnit.header, ...(body === undefined ? {} : { 'content-type': 'application/json' }) },
+      ...(body === undefined ? {} : { method, body: JSON.stringify(body) }),
       ...(signal ? { signal } : {}),
     });
   } catch (error) {

@@ -166,11 +166,12 @@ export class CellRenderer extends SceneRenderer {
     this.#objects = objects;
     // glTF has y up.
     scene.rotation.x = Math.PI / 2;
+    scene.updateMatrixWorld(true);
     scene.traverse((part) => {
       if (part instanceof Mesh) {
         const material = (part.material as Material).name as CellMaterial;
         (part.material as Material).dispose();
-        this.#look.finish(part, material, Boolean((part.userData as { station?: string }).station));
+        this.#look.finish(part, material, this.#placeInStation(part, stations));
         this.#materials.set(part, part.material as Material);
         if (part.material === this.#look.body) this.#walls.push({ mesh: part, box: new Box3() });
       }
@@ -179,7 +180,6 @@ export class CellRenderer extends SceneRenderer {
     });
     this.#cell = scene;
     this.scene.add(scene);
-    scene.updateMatrixWorld(true);
     for (const { mesh, box } of this.#walls) box.setFromObject(mesh);
     const box = new Box3().setFromObject(scene);
     this.placeGround(box, box.min.z);
@@ -190,6 +190,14 @@ export class CellRenderer extends SceneRenderer {
     this.hide(this.#hidden);
     if (!box.isEmpty()) this.#events.loaded([box.min.toArray(), box.max.toArray()]);
     if (first && !this.#cameraRestored) this.showView('home');
+  }
+
+  /** Whether a body of a station is around its wafers or below them; `null` for other parts. */
+  #placeInStation(mesh: Mesh, stations: { name: string; position_mm: number[] }[]): 'around wafers' | 'below wafers' | null {
+    const { station } = mesh.userData as { station?: string };
+    const lowest = stations.find(({ name }) => name === station)?.position_mm[2];
+    if (lowest === undefined) return null;
+    return new Box3().setFromObject(mesh).max.z > lowest / 1000 ? 'around wafers' : 'below wafers';
   }
 
   /** Moves the frames to their poses and assigns resting wafers to slots; without frames, the robot is at home. */

@@ -3,6 +3,7 @@
 import * as api from '../api/client';
 import { ConnectionError, ApiError, type PlanDocument, type StationDocument } from '../api/client';
 import { connection } from '../api/connection.svelte';
+import { messageUnit } from '../api/lengthUnit';
 import { otherFile } from '../api/otherFile';
 import { DraftStore, type CellDraft } from '../lib/draft';
 import type { CellTab } from '../lib/cellLink';
@@ -175,6 +176,9 @@ export class WorkcellSession {
 
   constructor() {
     connection.onReconnect(() => void (this.state === 'starting' ? this.start() : this.replan()));
+    messageUnit.onChange(() => {
+      if (this.plan) void this.replan();
+    });
     window.addEventListener('beforeunload', (event) => {
       this.#store();
       if (this.changed) event.preventDefault();

@@ -1,4 +1,5 @@
 import type { RobotDocument } from '../api/client';
+import { finerDecimals } from '../scene/robotSize';
 import { degrees, fixed, length, angle, small, smallAngle, type LengthUnit } from './units';
 
 const SYMBOLS: Record<string, string> = { phi: 'φ', dphi: 'dφ' };
@@ -17,8 +18,8 @@ export interface JointRow {
   moved: string;
 }
 
-/** Table of the virtual joints of a model. */
-export function jointRows(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): JointRow[] {
+/** Table of the virtual joints of a model; `finer` are decimals of lengths in addition to the usual ones. */
+export function jointRows(robot: Pick<RobotDocument, 'virtualizations'>, model: string, values: number[], unit: LengthUnit, finer = 0): JointRow[] {
   const joints = robot.virtualizations.find(({ name }) => name === model)?.joints ?? [];
   return joints.map((joint, i) => {
     const value = values[i] as number;
@@ -27,15 +28,15 @@ export function jointRows(robot: RobotDocument, model: string, values: number[],
     return {
       symbol: symbol(joint.symbol, joint.limb),
       limb: joint.limb,
-      value: slides ? length(value, unit, 4) : angle(value, 4),
-      moved: slides ? small(moved, unit, 1, true) : turned(moved),
+      value: slides ? length(value, unit, 4 + finer) : angle(value, 4),
+      moved: slides ? small(moved, unit, 1 + finer, true) : turned(moved),
     };
   });
 }
 
 /** Labels of the limbs, with the displacement of each of their virtual joints in a line. */
 export function jointLabels(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): string[] {
-  const rows = jointRows(robot, model, values, unit);
+  const rows = jointRows(robot, model, values, unit, finerDecimals(robot.limbs));
   return robot.limbs.map((_, limb) =>
     rows
       .filter((row) => row.limb === limb)

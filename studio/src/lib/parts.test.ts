@@ -39,7 +39,7 @@ test('a part is restored from its key', () => {
 
 test('parts that belong to a part are found by kind, whatever their names', () => {
   expect(keys(null)).toEqual([]);
-  expect(keys({ kind: 'station', name: 'A' })).toEqual(['station:A', 'slot:1:A', 'slot:2:A']);
+  expect(keys({ kind: 'station', name: 'A' })).toEqual(['station:A', 'slot:1:A', 'slot:2:A', 'body:A 1']);
   expect(keys({ kind: 'station', name: 'A 1' })).toEqual(['station:A 1', 'slot:1:A 1']);
   expect(keys({ kind: 'body', name: 'A' })).toEqual(['body:A']);
   expect(keys({ kind: 'arm', name: 'A' })).toEqual(['arm:A', 'link:A 1', 'link:A', 'body:blade']);

@@ -57,7 +57,7 @@ export interface CellParts {
 /** Number of the axes that are rods of the platform; they are the first ones. */
 const RODS = 3;
 
-/** Keys of a part and of all parts that belong to it: slots of a station, links of an arm, bodies on a link. */
+/** Keys of a part and of all parts that belong to it: slots and bodies of a station, links of an arm, bodies on a link. */
 export function keysOfPart(part: Part | null, { stations, bodies, robot }: CellParts): ReadonlySet<string> {
   if (part === null) return new Set();
   const { kind, name } = part;
@@ -65,6 +65,7 @@ export function keysOfPart(part: Part | null, { stations, bodies, robot }: CellP
   if (kind === 'station') {
     const slots = stations.find((station) => station.name === name)?.slots ?? 0;
     for (let slot = 1; slot <= slots; slot += 1) found.push({ kind: 'slot', name, slot });
+    for (const body of bodies) if (body.station === name) found.push({ kind: 'body', name: body.name });
   }
   const isRobot = kind === 'robot';
   for (const arm of robot?.arms ?? []) {

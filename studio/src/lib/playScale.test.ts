@@ -1,10 +1,12 @@
 import { expect, test } from 'vitest';
 import { EXAGGERATION } from './document';
-import { LARGEST_GAP, SLIDER, fromSlider, initialScale, scaleText, toSlider } from './playScale';
+import { LARGEST_GAP, SLIDER, fromSlider, initialScale, roundedScale, scaleText, toSlider } from './playScale';
 
 test('the slider covers all play scales, and every rounded scale has its position', () => {
   expect([fromSlider(0), fromSlider(SLIDER)]).toEqual([EXAGGERATION.min, EXAGGERATION.max]);
   for (const scale of [1, 1.1, 2.5, 9.9, 10, 37, 250, 1900]) expect(fromSlider(toSlider(scale))).toBe(scale);
+  // The initial position in the playground.
+  expect(roundedScale(10 ** 2.7)).toBe(500);
   expect([1, 2.5, 37, 1900].map(scaleText)).toEqual(['1', '2.5', '37', '1900']);
 });
 

@@ -21,8 +21,11 @@ export const initialScale = (displacement: number): number => INITIAL_SCALES.fin
 /** Position of a play scale on the slider. */
 export const toSlider = (scale: number): number => PER_E * Math.log(scale / EXAGGERATION.min);
 
+/** A play scale with two digits. */
+export const roundedScale = (scale: number): number => clampedScale(Number(scale.toPrecision(2)));
+
 /** The play scale at a position of the slider, rounded to two digits. */
-export const fromSlider = (position: number): number => clampedScale(Number((EXAGGERATION.min * Math.exp(position / PER_E)).toPrecision(2)));
+export const fromSlider = (position: number): number => roundedScale(EXAGGERATION.min * Math.exp(position / PER_E));
 
 /** A play scale as text, without its sign ×. */
 export const scaleText = (scale: number): string => fixed(scale, scale < 10 && !Number.isInteger(scale) ? 1 : 0);

@@ -20,8 +20,10 @@ export class CellMaterials {
   readonly 'other arm' = new MeshStandardMaterial({ color: 0xd98a3d, metalness: 0.45, roughness: 0.36 });
   readonly wafer = new MeshStandardMaterial({ color: 0x9d95bd, metalness: 0.7, roughness: 0.2 });
   readonly station = new MeshStandardMaterial({ color: ZONE_COLORS.slot, metalness: 0.1, roughness: 0.6 });
-  /** Bodies of stations are transparent, because wafers are within. */
+  /** Bodies that reach above the lowest wafer of their station are transparent, because wafers are within. */
   readonly carrier = new MeshPhysicalMaterial({ color: 0x9fb4c6, metalness: 0, roughness: 0.14, transparent: true, opacity: 0.3, depthWrite: false });
+  /** Bodies below the wafers of their station: supports, load ports, pedestals. */
+  readonly pedestal = new MeshStandardMaterial({ color: 0xaab4be, metalness: 0.35, roughness: 0.45 });
   readonly body = new MeshStandardMaterial({ color: 0xd5dade, metalness: 0.25, roughness: 0.5 });
   /** A body between the viewer and the robot. */
   readonly obstructing = new MeshStandardMaterial({ color: 0xb9c2ca, metalness: 0.1, roughness: 0.5, transparent: true, opacity: 0.16, depthWrite: false });
@@ -30,8 +32,8 @@ export class CellMaterials {
   /** Surfaces that several parts share. */
   readonly #surfaces = new Map<BufferGeometry, BufferGeometry>();
 
-  /** Gives a loaded part its surface and its material, and decides whether it casts shadows. */
-  finish(mesh: Mesh, material: CellMaterial, ofStation: boolean): void {
+  /** Gives a loaded part its surface and its material, and decides whether it casts shadows; `station` is where a body of a station is. */
+  finish(mesh: Mesh, material: CellMaterial, station: 'around wafers' | 'below wafers' | null): void {
     const loaded = mesh.geometry;
     let surface = this.#surfaces.get(loaded);
     if (!surface) {
@@ -40,7 +42,7 @@ export class CellMaterials {
       loaded.dispose();
     }
     mesh.geometry = surface;
-    mesh.material = material === 'body' && ofStation ? this.carrier : this[material];
+    mesh.material = material !== 'body' || station === null ? this[material] : station === 'around wafers' ? this.carrier : this.pedestal;
     const solid = !['keep out', 'safe', 'station'].includes(material);
     mesh.castShadow = solid && mesh.material !== this.carrier;
     // Shadows of the wafers above would hide the slots of a carrier.

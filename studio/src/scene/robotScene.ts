@@ -9,7 +9,7 @@ import { small, type LengthUnit } from '../lib/units';
 import type { AxisArrow, Label } from './labels';
 import { MODEL_COLOURS, SCENE, type Theme } from './palette';
 import { RobotModel, SIZES } from './robotModel';
-import { sceneUnits } from './robotSize';
+import { finerDecimals, sceneUnits } from './robotSize';
 import type { Annotations } from './annotations';
 
 /** A pose with all options of its display. */
@@ -45,6 +45,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
   const colours = SCENE[theme];
   const models = MODEL_COLOURS[theme];
   const units = sceneUnits(robot.limbs);
+  const finer = finerDecimals(robot.limbs);
   const sockets = robot.limbs.map(({ socket_m }) => [socket_m[0]! * units, socket_m[1]! * units] as Point);
   const labels: Label[] = [];
   const result = modelResult(pose, picture.model)?.answer;
@@ -113,7 +114,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       const to = ghost.sockets[k] as Vector3;
       annotations.arrow(ball, to, 1, grey, 9);
       const gap = new Vector3(...(pose.approximate.gaps_m[k] as Triple)).length();
-      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, extent: 60, awayFrom: displayed.center, colour: legible(grey, theme) });
+      if (shown.labels) labels.push({ position: rim(k, SIZES.rim), text: `gap ${small(gap, unit, 1 + finer)}`, extent: 60, awayFrom: displayed.center, colour: legible(grey, theme) });
     });
   }
   if (shown.others) {
@@ -135,7 +136,7 @@ export function updateRobotScene(picture: RobotPicture, body: RobotModel, annota
       const own = models[model.virtualization] as string;
       const strong = model.virtualization === picture.model;
       annotations.arrow(axis, tip, strong ? 1.7 : 1.2, own, strong ? 14 : 12);
-      if (shown.labels) labels.push({ position: tip, text: `${model.virtualization} ${small(Math.hypot(x, y), unit)}`, awayFrom: axis, extent: 26, colour: legible(own, theme), strong });
+      if (shown.labels) labels.push({ position: tip, text: `${model.virtualization} ${small(Math.hypot(x, y), unit, 1 + finer)}`, awayFrom: axis, extent: 26, colour: legible(own, theme), strong });
     }
     annotations.dot(axis, 1.8, colours.ink, 15);
   }

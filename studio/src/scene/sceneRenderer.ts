@@ -17,6 +17,7 @@ import {
   type Scene,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { fittingDistance } from './fit';
 import { installEnvironment } from './environment';
 import type { Box } from '../lib/labelLayout';
 import type { TextContext } from '../lib/svgContext';
@@ -244,7 +245,8 @@ export abstract class SceneRenderer {
     const { top, bottom } = this.isNarrow ? this.coveredRows : { top: 0, bottom: 0 };
     // From the home direction, a box fills about two thirds of its sphere.
     const free = Math.sqrt(1 - top - bottom);
-    const distance = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect / free;
+    const usual = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect / free;
+    const distance = Math.max(usual, fittingDistance(camera, box, direction, 1 - top - bottom));
     // The box is in the middle of the rows that are free.
     const up = camera.up.clone().addScaledVector(direction, -camera.up.dot(direction) / direction.lengthSq());
     const height = 2 * distance * Math.tan((camera.fov * Math.PI) / 360);

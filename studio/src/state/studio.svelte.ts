@@ -2,6 +2,7 @@
 
 import * as api from '../api/client';
 import { connection } from '../api/connection.svelte';
+import { messageUnit } from '../api/lengthUnit';
 import { ConnectionError, ApiError, type PoseDocument, type RobotDocument } from '../api/client';
 import {
   initialDocument,
@@ -24,12 +25,13 @@ import { withinTilt } from '../lib/limits';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
-import { sceneUnits } from '../scene/robotSize';
+import { finerDecimals, sceneUnits } from '../scene/robotSize';
 import { Comparison, MOST_COMPARED } from './comparison.svelte';
 import { layout } from './layout.svelte';
 import { plotLayout } from './plotLayout.svelte';
 import { probe } from './probe';
 import { Player } from './player.svelte';
+import { printing } from './printing.svelte';
 import { RobotFile } from './robotFile.svelte';
 import { Study } from './study.svelte';
 
@@ -78,9 +80,11 @@ export class Studio {
   canUndo = $state(false);
   canRedo = $state(false);
   unit = $state<LengthUnit>('mm');
+  /** Decimals of lengths in addition to those of a robot of usual size. */
+  finer = $derived(this.robot ? finerDecimals(this.robot.limbs) : 0);
   themeChoice = $state<ThemeChoice>('system');
   systemTheme = $state<Theme>('light');
-  theme = $derived<Theme>(this.themeChoice === 'system' ? this.systemTheme : this.themeChoice);
+  theme = $derived<Theme>(printing.active ? 'light' : this.themeChoice === 'system' ? this.systemTheme : this.themeChoice);
   /** The camera of the link, until the 3D view has taken it over. */
   linkedView: View | null = null;
   /** Returns the camera of the 3D view, once there is one. */
@@ -104,6 +108,10 @@ export class Studio {
     this.systemTheme = dark.matches ? 'dark' : 'light';
     dark.addEventListener('change', () => (this.systemTheme = dark.matches ? 'dark' : 'light'));
     this.unit = load('unit', 'mm', (value) => value === 'mm' || value === 'inch');
+    messageUnit.set(this.unit);
+    messageUnit.onChange(() => {
+      if (this.robot && this.player.sample === null) this.#requestPose(this.document.command);
+    });
     this.themeChoice = load('theme', 'system', (value) => ['system', 'light', 'dark'].includes(value as string));
     // The URL of the event, not the current one: the page may have changed it in the meantime.
     window.addEventListener('hashchange', ({ newURL }) => this.#openLink(new URL(newURL).hash));
@@ -451,6 +459,7 @@ export class Studio {
   setUnit(unit: LengthUnit): void {
     this.unit = unit;
     save('unit', unit);
+    messageUnit.set(unit);
   }
 
   setTheme(theme: ThemeChoice): void {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::explain::explain_recognition;
 use jointplay::format::mechanism::{self, Expected, LengthUnit, MAX_BYTES, MechanismFile, Units};
 use jointplay::format::number::counted;
@@ -191,8 +192,9 @@ impl Import {
             let text = "a mechanism does not state a largest tilt: give --tilt-limit-deg";
             return Err(Failure::Usage(text.to_owned()));
         };
-        let robot = three_rods::robot(file, tilt_deg.to_radians())
-            .map_err(|error| Failure::Usage(explain_recognition(file.mechanism.name(), &error)))?;
+        let robot = three_rods::robot(file, tilt_deg.to_radians()).map_err(|error| {
+            Failure::Usage(explain_recognition(file.mechanism.name(), &error, DisplayUnits::Metric))
+        })?;
         ignored.extend(three_rods::lost_in_robot(file));
         self.write(model_format, &file.mechanism, ignored, robot::write(&robot))
     }

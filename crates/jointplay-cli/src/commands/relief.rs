@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::mobility::RANK_THRESHOLD;
 use jointplay::report::{self, ReliefReport};
 use jointplay::sensitivity::commanded_sensitivity;
@@ -10,7 +11,7 @@ use crate::arguments::AnswerArgs;
 use crate::failure::Failure;
 use crate::mechanism_input::{Input, JointValues};
 use crate::output::magnitude;
-use crate::play_units::{PlayUnits, in_unit};
+use crate::play_units::{in_display_units, in_unit};
 use crate::progress::Progress;
 use jointplay::format::number::{fixed, rounded};
 
@@ -57,11 +58,11 @@ fn text(input: &Input, report: &ReliefReport) -> String {
     let mut text = format!("{}, with virtual joints, at\n", report.name);
     text.push_str(&input.table(&report.coordinates.0, 0));
     let _ = writeln!(text, "virtual joints             displacement       clearance");
-    let (length_unit, units) = (input.file.units.length, PlayUnits::of(input.file.units.length));
+    let (length_unit, units) = (input.file.units.length, DisplayUnits::of(input.file.units.length));
     for joint in &report.virtual_joints {
-        let (displacement, unit) = units.displacement(joint.displacement, joint.unit);
+        let (displacement, unit) = in_display_units(units, joint.displacement, joint.unit);
         let clearance = joint.clearance.map_or("-".to_owned(), |value| {
-            format!("±{}", fixed(units.displacement(value, joint.unit).0, 3))
+            format!("±{}", fixed(in_display_units(units, value, joint.unit).0, 3))
         });
         let over = if joint.over { "  exceeded" } else { "" };
         let pad = " ".repeat(20_usize.saturating_sub(joint.name.chars().count()));
@@ -73,7 +74,7 @@ fn text(input: &Input, report: &ReliefReport) -> String {
             clearance
         );
     }
-    let (size, unit) = units.displacement(report.size, report.size_unit);
+    let (size, unit) = in_display_units(units, report.size, report.size_unit);
     let _ = writeln!(text, "  norm              {:>18} {:>15} {unit}", fixed(size, 3), "");
     let values: String =
         report.singular_values.iter().map(|&value| format!(" {}", magnitude(value))).collect();

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::mechanism::{self, MechanismFile, Units};
 use jointplay::mechanism::{
     Commands, LinearAndAngular, SingleCommand, SuggestOptions, Suggestion, SuggestionRank,
@@ -16,7 +17,7 @@ use crate::arguments::{finite, positive_whole};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, JointValues, MechanismArgs, joint_values};
-use crate::play_units::PlayUnits;
+use crate::play_units::{in_display_units, play_length};
 use crate::progress::Progress;
 use jointplay::format::number::{counted, fixed, number};
 
@@ -302,7 +303,7 @@ fn places(input: &Input, shown: &[usize], configurations: &[ByName<f64>]) -> Str
 
 /// Lines with the displacements of single coordinates that a set makes possible, and those that it does not.
 fn single_text(input: &Input, commands: &[SingleCommandReport]) -> String {
-    let units = PlayUnits::of(input.file.units.length);
+    let units = DisplayUnits::of(input.file.units.length);
     let mut text = String::new();
     for (possible, heading) in [(true, "also possible"), (false, "not possible")] {
         let listed: Vec<String> = commands
@@ -312,7 +313,7 @@ fn single_text(input: &Input, commands: &[SingleCommandReport]) -> String {
                 let unit = input.find(&one.coordinate).map_or("", |k| input.coordinates.unit(k));
                 let by = format!("{} ±{} {unit}", one.coordinate, fixed(one.by, 3));
                 match one.size_mm {
-                    Some(size) => format!("{by} by {}", units.length(size)),
+                    Some(size) => format!("{by} by {}", play_length(units, size)),
                     None => by,
                 }
             })
@@ -343,7 +344,7 @@ fn optimality(report: &SuggestReport, rank: Rank) -> String {
 
 fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) -> String {
     let shown = shown(input, commanded);
-    let units = PlayUnits::of(input.file.units.length);
+    let units = DisplayUnits::of(input.file.units.length);
     let mut text = format!("virtual joints for {}\n", report.name);
     for command in &report.commands {
         let values: Vec<String> = report
@@ -385,7 +386,7 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) 
     };
     let least = match report.lower_bound_mj {
         Some(energy) => format!("{} mJ", fixed(energy, 5)),
-        None => units.length(report.lower_bound_mm),
+        None => play_length(units, report.lower_bound_mm),
     };
     let _ = writeln!(
         text,
@@ -403,10 +404,10 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport, rank: Rank) 
         };
         let energy = set.energy_mj.map(|energy| format!("energy {} mJ, ", fixed(energy, 5)));
         let energy = energy.unwrap_or_default();
-        let size = units.length(set.size_mm);
+        let size = play_length(units, set.size_mm);
         let _ = writeln!(text, "{}. {energy}displacement {size}{alike}", n + 1);
         for joint in &set.virtual_joints {
-            let (largest, unit) = units.displacement(joint.largest, joint.unit);
+            let (largest, unit) = in_display_units(units, joint.largest, joint.unit);
             let name = &joint.virtual_joint.name;
             let clearance = match joint.exceeds_clearance {
                 Some(true) => ", exceeds the clearance",

@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Rotation3, Translation3, Vector3};
 
-use super::MechanismSystem;
+use super::sparse::{SparseMobility, SparseSystem};
+use super::system::middle;
+use super::{Kinematics, MechanismSystem};
 use crate::Error;
 use crate::linalg::svd;
 use crate::mobility::{FiniteMobility, InstantaneousMobility};
@@ -101,32 +103,79 @@ pub struct ScrewAxis {
     pub point: Vector3<f64>,
 }
 
-/// (6, mobility) twist of a link in each instantaneous motion (angular, linear over the characteristic length) at the reference point, in the base frame.
-fn link_twists(
-    system: &MechanismSystem<'_>,
-    first: &InstantaneousMobility,
-    link: usize,
-) -> DMatrix<f64> {
-    let kinematics = system.kinematics();
-    let total = system.home().len();
-    let placed =
-        kinematics.placed(system.home(), &DVector::zeros(total), &system.reference(), None);
-    let length = first.characteristic_length;
-    let mut twists = DMatrix::zeros(6, first.mobility);
-    for motion in 0..first.mobility {
+/// Motions of the coordinates at a configuration, from which the twists of links follow.
+struct CoordinateMotions<'a> {
+    kinematics: &'a Kinematics<'a>,
+    /// Twists of all coordinates about the reference point (m).
+    screws: Vec<(Vector3<f64>, Vector3<f64>)>,
+    /// (f, motions) rates; lengths in characteristic lengths.
+    rates: &'a DMatrix<f64>,
+    /// Reference point of twists, in the base frame (m).
+    reference: Vector3<f64>,
+    /// Characteristic length (m).
+    length: f64,
+}
+
+impl<'a> CoordinateMotions<'a> {
+    fn new(
+        kinematics: &'a Kinematics<'a>,
+        home: &DVector<f64>,
+        rates: &'a DMatrix<f64>,
+        reference: Vector3<f64>,
+        length: f64,
+    ) -> Self {
+        let at_home = DVector::zeros(home.len());
+        let screws = kinematics.placed(home, &at_home, &reference, None).screws;
+        Self { kinematics, screws, rates, reference, length }
+    }
+
+    fn of_dense(system: &'a MechanismSystem<'_>, first: &'a InstantaneousMobility) -> Self {
+        let length = first.characteristic_length;
+        let (home, reference) = (system.home(), system.reference());
+        Self::new(system.kinematics(), home, &first.null_space, reference, length)
+    }
+
+    /// (6, motions) twist of a link in each motion (angular, linear over the characteristic length) at the reference point, in the base frame.
+    fn link_twists(&self, link: usize) -> DMatrix<f64> {
+        let Self { kinematics, rates, length, .. } = self;
+        let mut twists = DMatrix::zeros(6, rates.ncols());
         for (j, sense) in kinematics.path_to(link) {
-            for k in kinematics.columns_of(j).filter(|&k| k < first.null_space.nrows()) {
-                let unit = kinematics.dimensions()[k].unit(length);
-                let rate = sense * first.null_space[(k, motion)] * unit;
-                let (angular, linear) = placed.screws[k];
-                for axis in 0..3 {
-                    twists[(axis, motion)] += rate * angular[axis];
-                    twists[(3 + axis, motion)] += rate * linear[axis] / length;
+            for k in kinematics.columns_of(j).filter(|&k| k < rates.nrows()) {
+                let unit = sense * kinematics.dimensions()[k].unit(*length);
+                let (angular, linear) = self.screws[k];
+                for motion in 0..rates.ncols() {
+                    let rate = unit * rates[(k, motion)];
+                    for axis in 0..3 {
+                        twists[(axis, motion)] += rate * angular[axis];
+                        twists[(3 + axis, motion)] += rate * linear[axis] / length;
+                    }
                 }
             }
         }
+        twists
     }
-    twists
+
+    /// Poses of the links displaced by shares of the first motion, in which the largest twist of a link is [`DRAWN`] at 1.
+    fn poses(&self, links: &[Pose], shares: &[f64]) -> Vec<Vec<Pose>> {
+        let twists: Vec<_> =
+            (0..links.len()).map(|link| self.link_twists(link).column(0).into_owned()).collect();
+        let size = |twist: &DVector<f64>| {
+            twist.fixed_rows::<3>(0).norm().max(twist.fixed_rows::<3>(3).norm())
+        };
+        let largest = twists.iter().map(size).fold(0.0, f64::max);
+        let per_share = if largest > 0.0 { DRAWN / largest } else { 0.0 };
+        let displaced = |share: f64| {
+            let place = |(pose, twist): (&Pose, &DVector<f64>)| {
+                let by = twist * (share * per_share);
+                let rotation = Rotation3::new(by.fixed_rows::<3>(0).into_owned());
+                let reference = self.reference;
+                let shift = reference + by.fixed_rows::<3>(3) * self.length - rotation * reference;
+                Pose::from_parts(Translation3::from(shift), rotation) * pose
+            };
+            links.iter().zip(&twists).map(place).collect()
+        };
+        shares.iter().map(|&share| displaced(share)).collect()
+    }
 }
 
 /// Largest twist of a link in a drawn motion, in radians and characteristic lengths.
@@ -136,7 +185,7 @@ const DRAWN: f64 = 0.15;
 ///
 /// # Arguments
 /// * `motion` – index of the motion in the null space
-/// * `share` – -1 to 1: at 1 the largest twist of a link is 0.15, in radians and characteristic lengths
+/// * `shares` – of each picture, -1 to 1: at 1 the largest twist of a link is 0.15, in radians and characteristic lengths
 ///
 /// # Errors
 /// [`Error::NoSuchQuantity`] for an unknown motion; those of [`super::Kinematics::link_poses`].
@@ -144,29 +193,41 @@ pub fn poses_along_motion(
     system: &MechanismSystem<'_>,
     first: &InstantaneousMobility,
     motion: usize,
-    share: f64,
-) -> Result<Vec<Pose>, Error> {
-    if motion >= first.mobility {
-        let (what, count) = ("instantaneous motion", first.mobility);
-        return Err(Error::NoSuchQuantity { what, index: motion, count });
+    shares: &[f64],
+) -> Result<Vec<Vec<Pose>>, Error> {
+    let count = first.mobility;
+    if motion >= count {
+        return Err(Error::NoSuchQuantity { what: "instantaneous motion", index: motion, count });
     }
     let links = system.kinematics().link_poses(system.home())?;
-    let twist = |link: usize| link_twists(system, first, link).column(motion).into_owned();
-    let twists: Vec<_> = (0..links.len()).map(twist).collect();
-    let size =
-        |twist: &DVector<f64>| twist.fixed_rows::<3>(0).norm().max(twist.fixed_rows::<3>(3).norm());
-    let largest = twists.iter().map(size).fold(0.0, f64::max);
-    if largest == 0.0 {
-        return Ok(links);
-    }
-    let (reference, length) = (system.reference(), first.characteristic_length);
-    let displaced = links.iter().zip(&twists).map(|(pose, twist)| {
-        let by = twist * (share * DRAWN / largest);
-        let rotation = Rotation3::new(by.fixed_rows::<3>(0).into_owned());
-        let shift = reference + by.fixed_rows::<3>(3) * length - rotation * reference;
-        Pose::from_parts(Translation3::from(shift), rotation) * pose
-    });
-    Ok(displaced.collect())
+    let rates = first.null_space.columns(motion, 1).into_owned();
+    let (home, reference) = (system.home(), system.reference());
+    let length = first.characteristic_length;
+    let motions = CoordinateMotions::new(system.kinematics(), home, &rates, reference, length);
+    Ok(motions.poses(&links, shares))
+}
+
+/// The poses of [`poses_along_motion`] of a mechanism with many loops.
+///
+/// # Errors
+/// [`Error::NoSuchQuantity`] for an unknown motion.
+pub fn poses_along_sparse_motion(
+    system: &SparseSystem<'_>,
+    found: &SparseMobility,
+    motion: usize,
+    shares: &[f64],
+) -> Result<Vec<Vec<Pose>>, Error> {
+    let count = found.motions.len();
+    let Some(rates) = found.motions.get(motion) else {
+        return Err(Error::NoSuchQuantity { what: "instantaneous motion", index: motion, count });
+    };
+    let home = system.coordinates();
+    let mut column = DMatrix::zeros(home.len(), 1);
+    rates.iter().for_each(|&(k, rate)| column[(k, 0)] = rate);
+    let (reference, _) = middle(system.kinematics(), home);
+    let length = found.characteristic_length;
+    let motions = CoordinateMotions::new(system.kinematics(), home, &column, reference, length);
+    Ok(motions.poses(system.link_poses(), shares))
 }
 
 /// The instantaneous motions of a link: dimension, translations among them, the screw of a single freedom.
@@ -179,7 +240,7 @@ pub fn link_motion(
     link: usize,
 ) -> Result<LinkMotion, Error> {
     let length = first.characteristic_length;
-    let twists = link_twists(system, first, link);
+    let twists = CoordinateMotions::of_dense(system, first).link_twists(link);
     let decomposition = svd(&twists)?;
     let dimension = decomposition.singular_values.iter().filter(|&&s| s > NOTHING).count();
     let twists = decomposition.u.columns(0, dimension).into_owned();

@@ -73,7 +73,10 @@ pub use drive_from::{DEFAULT_STEPS, drive_from, held_actuators};
 pub use drive_path::{Drive, DrivePath};
 pub use driven_motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint};
 pub use elementary::{ElementaryChain, ElementaryMotion};
-pub use evidence::{LinkMotion, MobilityClass, ScrewAxis, link_motion, poses_along_motion};
+pub use evidence::{
+    LinkMotion, MobilityClass, ScrewAxis, link_motion, poses_along_motion,
+    poses_along_sparse_motion,
+};
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
 pub use frame_drive::drive_frames;
 pub use frame_path::{FramePath, FrameTarget, OrientationTarget};

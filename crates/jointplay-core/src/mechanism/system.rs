@@ -68,9 +68,7 @@ impl<'a> MechanismSystem<'a> {
     /// # Errors
     /// [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::TooLarge`] beyond [`MAX_DENSE`].
     pub fn new(mechanism: &'a Mechanism, home: DVector<f64>) -> Result<Self, Error> {
-        if let Some((what, found)) = too_large(mechanism) {
-            return Err(Error::TooLarge { what, found, allowed: MAX_DENSE });
-        }
+        Self::check_size(mechanism)?;
         let kinematics = Kinematics::new(mechanism);
         check_coordinates(&home, kinematics.dimensions().len())?;
         let (reference, spread) = middle(&kinematics, &home);
@@ -100,7 +98,22 @@ impl<'a> MechanismSystem<'a> {
     /// Whether a mechanism is small enough for the dense algebra of a system; larger ones are for [`super::SparseSystem`].
     #[must_use]
     pub fn fits(mechanism: &Mechanism) -> bool {
-        too_large(mechanism).is_none()
+        Self::check_size(mechanism).is_ok()
+    }
+
+    /// Checks that a mechanism is small enough for the dense algebra of a system.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] beyond [`MAX_DENSE`].
+    pub fn check_size(mechanism: &Mechanism) -> Result<(), Error> {
+        let sizes = [
+            ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),
+            ("closure equations", mechanism.constraints()),
+        ];
+        match sizes.into_iter().find(|&(_, found)| found > MAX_DENSE) {
+            Some((what, found)) => Err(Error::TooLarge { what, found, allowed: MAX_DENSE }),
+            None => Ok(()),
+        }
     }
 
     /// The same mechanism about another home.
@@ -427,17 +440,8 @@ fn rotation_vector_rate(vector: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() - cross * 0.5 + cross * cross * factor
 }
 
-/// The quantity by which a mechanism is too large for dense algebra, and its value.
-fn too_large(mechanism: &Mechanism) -> Option<(&'static str, usize)> {
-    let sizes = [
-        ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),
-        ("closure equations", mechanism.constraints()),
-    ];
-    sizes.into_iter().find(|&(_, found)| found > MAX_DENSE)
-}
-
 /// Middle of the joints, and their root mean square distance from it; 1 m where all are in one point, since no length matters there.
-fn middle(kinematics: &Kinematics<'_>, home: &DVector<f64>) -> (Vector3<f64>, f64) {
+pub(super) fn middle(kinematics: &Kinematics<'_>, home: &DVector<f64>) -> (Vector3<f64>, f64) {
     let zero = DVector::zeros(home.len());
     let links = kinematics.placed(home, &zero, &Vector3::zeros(), None).links;
     let joints = kinematics.mechanism().joints();

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::display_units::DisplayUnits;
 use jointplay_cell::geometry::{AxisAlignedBox, Shape, box_with_openings};
 use jointplay_cell::workcell::{Body, ParentFrame, Zone, ZoneRule};
 use jointplay_cell::{CellError, MAX_BODIES};
@@ -190,7 +191,7 @@ fn solid_box(table: &Table) -> Option<Shape> {
         );
         listed[index].report(reader, Fault::Unfit(why));
     } else {
-        table.report_at("openings", Fault::Unfit(explain(&error)));
+        table.report_at("openings", Fault::Unfit(explain(&error, DisplayUnits::Metric)));
     }
     None
 }

@@ -1,4 +1,4 @@
-//! Errors of cells and of robots with arms as messages in mm and degrees.
+//! Errors of cells and of robots with arms as messages in units of display and degrees.
 
 use jointplay_cell::CellError;
 use jointplay_cell::jog::StopReason;
@@ -10,12 +10,14 @@ use jointplay_cell::wafer::{DroopError, RejectedBranch, SagError, Unreachable};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::range_fault;
 
+use crate::display_units::DisplayUnits;
 use crate::number::number;
-use crate::units::{deg, mm};
+use crate::units::deg;
 
-/// The message of an error, in mm and degrees.
+/// The message of an error.
 #[must_use]
-pub fn explain(error: &CellError) -> String {
+pub fn explain(error: &CellError, units: DisplayUnits) -> String {
+    let with_unit = |value: f64, unit: &str| with_unit(value, unit, units);
     match error {
         CellError::NotPositive { what, value, unit } => {
             format!("{what} is {}, but has to be positive", with_unit(*value, unit))
@@ -33,32 +35,32 @@ pub fn explain(error: &CellError) -> String {
             with_unit(*max, unit)
         ),
         CellError::NotThin { diameter, thickness, allowed } => format!(
-            "the wafer is {} mm thick and {} mm wide, but a thin plate of that diameter is at most {} mm thick",
-            number(mm(*thickness)),
-            number(mm(*diameter)),
-            number(mm(*allowed))
+            "the wafer is {} thick and {} wide, but a thin plate of that diameter is at most {} thick",
+            units.exact(*thickness),
+            units.exact(*diameter),
+            units.exact(*allowed)
         ),
         CellError::RetractReach { station, found, reach } => format!(
-            "the retract distance of station {station} is {} mm, but has to be less than the distance of its wafer from the first joint of the arm, {:.3} mm",
-            number(mm(*found)),
-            mm(*reach)
+            "the retract distance of station {station} is {}, but has to be less than the distance of its wafer from the first joint of the arm, {}",
+            units.exact(*found),
+            units.length(*reach, 3)
         ),
         CellError::StationTilt { station, tilt, max } => format!(
             "station {station} tilts by {:.3}°, but the robot tilts by at most {:.3}°; level the station",
             deg(tilt.angle),
             deg(*max)
         ),
-        CellError::Platform(error) => crate::explain::explain(error),
+        CellError::Platform(error) => crate::explain::explain(error, units),
         other => other.to_string(),
     }
 }
 
-/// An SI value with its unit of messages: mm or degrees for lengths and angles.
-fn with_unit(value: f64, unit: &str) -> String {
+/// An SI value with its unit of messages: that of display for lengths, degrees for angles.
+fn with_unit(value: f64, unit: &str, units: DisplayUnits) -> String {
     match unit.strip_prefix("rad") {
         Some(rate) => format!("{}°{rate}", number(deg(value))),
         None if unit == "m" || unit.starts_with("m/") => {
-            format!("{} m{unit}", number(mm(value)))
+            format!("{}{}", units.exact(value), &unit[1..])
         }
         None => format!("{} {unit}", number(value)).trim_end().to_owned(),
     }
@@ -66,25 +68,25 @@ fn with_unit(value: f64, unit: &str) -> String {
 
 /// A position of an axis, to a micrometre or a ten-thousandth of a degree.
 #[must_use]
-pub fn position(axis: &Axis, value: f64) -> String {
+pub fn position(axis: &Axis, value: f64, units: DisplayUnits) -> String {
     match axis.kind {
-        AxisKind::Linear => format!("{:.3} mm", mm(value)),
+        AxisKind::Linear => units.length(value, 3),
         AxisKind::Rotary => format!("{:.4}°", deg(value)),
     }
 }
 
-/// The message of a violated limit, in mm and degrees.
+/// The message of a violated limit.
 #[must_use]
-pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
+pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation, units: DisplayUnits) -> String {
     match *limit {
         LimitViolation::Axis { axis, position: value, min, max } => {
             let axis = &robot.axes[axis];
             format!(
                 "axis {} at {}, limits {} to {}",
                 axis.name,
-                position(axis, value),
-                position(axis, min),
-                position(axis, max)
+                position(axis, value, units),
+                position(axis, min, units),
+                position(axis, max, units)
             )
         }
         LimitViolation::Tilt { angle, max } => {
@@ -95,17 +97,19 @@ pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
 
 /// The message of a target that the links of an arm do not reach.
 #[must_use]
-pub fn explain_out_of_reach(reach: &OutOfReach) -> String {
-    let (distance, min, max) = (mm(reach.distance), mm(reach.min), mm(reach.max));
+pub fn explain_out_of_reach(reach: &OutOfReach, units: DisplayUnits) -> String {
     format!(
-        "out of reach: the links would have to reach {distance:.3} mm from their joint, but reach {min:.3} to {max:.3} mm; the nearest reachable point is {:.3} mm away",
-        mm(reach.missing())
+        "out of reach: the links would have to reach {} from their joint, but reach {} to {}; the nearest reachable point is {} away",
+        units.length(reach.distance, 3),
+        units.bare(reach.min, 3),
+        units.length(reach.max, 3),
+        units.length(reach.missing(), 3)
     )
 }
 
 /// One branch in one line: elbow configuration, and the reason for its selection or rejection.
 #[must_use]
-pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
+pub fn explain_branch(robot: &HybridRobot, branch: &Branch, units: DisplayUnits) -> String {
     let why = match branch.selection {
         BranchSelection::Chosen => format!("chosen, {:.3} s away at top speed", branch.travel_time),
         BranchSelection::OtherConfiguration => {
@@ -116,7 +120,7 @@ pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
         }
         BranchSelection::BreaksLimits => {
             let limits: Vec<String> =
-                branch.violations.iter().map(|limit| explain_limit(robot, limit)).collect();
+                branch.violations.iter().map(|limit| explain_limit(robot, limit, units)).collect();
             format!("not possible: {}", limits.join("; "))
         }
     };
@@ -125,23 +129,27 @@ pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
 
 /// The reasons why no branch is possible, in one line; `None` if one is chosen.
 #[must_use]
-pub fn explain_unreachable(robot: &HybridRobot, inverse: &Inverse) -> Option<String> {
+pub fn explain_unreachable(
+    robot: &HybridRobot,
+    inverse: &Inverse,
+    units: DisplayUnits,
+) -> Option<String> {
     if inverse.chosen.is_some() {
         return None;
     }
-    let reach = inverse.out_of_reach.iter().map(explain_out_of_reach);
+    let reach = inverse.out_of_reach.iter().map(|reach| explain_out_of_reach(reach, units));
     let plane = inverse.plane_violations.iter().filter(|_| inverse.branches.is_empty());
-    let plane = plane.map(|limit| explain_limit(robot, limit));
-    let branches = inverse.branches.iter().map(|branch| explain_branch(robot, branch));
+    let plane = plane.map(|limit| explain_limit(robot, limit, units));
+    let branches = inverse.branches.iter().map(|branch| explain_branch(robot, branch, units));
     Some(reach.chain(plane).chain(branches).collect::<Vec<_>>().join("; "))
 }
 
 /// The reasons why jogging stops: one line for each limit, or for each elbow configuration of the arm.
 #[must_use]
-pub fn explain_stopped(cell: &Cell, stopped: &StopReason) -> Vec<String> {
+pub fn explain_stopped(cell: &Cell, stopped: &StopReason, units: DisplayUnits) -> Vec<String> {
     let robot = &cell.robot;
     let limits = |broken: &mut dyn Iterator<Item = &LimitViolation>| {
-        broken.map(|limit| explain_limit(robot, limit)).collect::<Vec<String>>()
+        broken.map(|limit| explain_limit(robot, limit, units)).collect::<Vec<String>>()
     };
     match stopped {
         StopReason::Limits(broken) => limits(&mut broken.iter()),
@@ -153,10 +161,10 @@ pub fn explain_stopped(cell: &Cell, stopped: &StopReason) -> Vec<String> {
             branches.iter().map(rejection).collect()
         }
         StopReason::Unreachable(Unreachable::OutOfReach(reach)) => {
-            vec![explain_out_of_reach(reach)]
+            vec![explain_out_of_reach(reach, units)]
         }
-        StopReason::Unreachable(Unreachable::Robot(error)) => vec![explain(error)],
-        StopReason::Unreachable(other) => vec![explain_unreachable_pose(robot, other)],
+        StopReason::Unreachable(Unreachable::Robot(error)) => vec![explain(error, units)],
+        StopReason::Unreachable(other) => vec![explain_unreachable_pose(robot, other, units)],
         StopReason::Contact(pair) => {
             let [one, other] = pair.map(|one| cell.entity_label(one));
             vec![format!("{one} and {other} would touch")]
@@ -166,13 +174,13 @@ pub fn explain_stopped(cell: &Cell, stopped: &StopReason) -> Vec<String> {
 
 /// The message of a droop table that does not cover a reach or a load, with a remedy.
 #[must_use]
-pub fn explain_droop(error: &DroopError) -> String {
+pub fn explain_droop(error: &DroopError, units: DisplayUnits) -> String {
     match error {
         DroopError::Reach { reach, min, max } => format!(
-            "the droop table covers a reach from {1:.3} to {2:.3} mm, but not {0:.3} mm: measure the droop there, or use the cantilever model",
-            mm(*reach),
-            mm(*min),
-            mm(*max)
+            "the droop table covers a reach from {} to {}, but not {}: measure the droop there, or use the cantilever model",
+            units.bare(*min, 3),
+            units.length(*max, 3),
+            units.length(*reach, 3)
         ),
         DroopError::Load { load, max } => format!(
             "the droop table covers loads from 0 to {1:.3} g, but not {0:.3} g: measure with a larger load, or use the cantilever model",
@@ -185,10 +193,14 @@ pub fn explain_droop(error: &DroopError) -> String {
 
 /// The message of an unreachable wafer pose; the limits that reject every branch come first.
 #[must_use]
-pub fn explain_unreachable_pose(robot: &HybridRobot, error: &Unreachable) -> String {
+pub fn explain_unreachable_pose(
+    robot: &HybridRobot,
+    error: &Unreachable,
+    units: DisplayUnits,
+) -> String {
     match error {
-        Unreachable::Robot(error) => explain(error),
-        Unreachable::Droop(error) => explain_droop(error),
+        Unreachable::Robot(error) => explain(error, units),
+        Unreachable::Droop(error) => explain_droop(error, units),
         Unreachable::Tilt { needed, allowed, residual, threshold } => format!(
             "the platform would have to tilt by {:.4}°, but tilts by at most {:.4}°: a tilt of {:.1} µrad would remain, at most {:.1} µrad are allowed",
             deg(*needed),
@@ -196,11 +208,12 @@ pub fn explain_unreachable_pose(robot: &HybridRobot, error: &Unreachable) -> Str
             residual * 1e6,
             threshold * 1e6
         ),
-        Unreachable::OutOfReach(out) => explain_out_of_reach(out),
-        Unreachable::Limits(branches) => explain_rejected(robot, branches),
+        Unreachable::OutOfReach(out) => explain_out_of_reach(out, units),
+        Unreachable::Limits(branches) => explain_rejected(robot, branches, units),
         Unreachable::NotConverged { residual, iterations } => format!(
-            "the droop compensation did not converge: a residual of {:.3e} mm remains after {iterations} iterations",
-            mm(*residual)
+            "the droop compensation did not converge: a residual of {:.3e} {} remains after {iterations} iterations",
+            units.from_meters(*residual),
+            units.unit()
         ),
         other => other.to_string(),
     }
@@ -208,29 +221,29 @@ pub fn explain_unreachable_pose(robot: &HybridRobot, error: &Unreachable) -> Str
 
 /// The message of taught points that define no frame, with a remedy.
 #[must_use]
-pub fn explain_teach(error: &TeachError) -> String {
+pub fn explain_teach(error: &TeachError, units: DisplayUnits) -> String {
     match error {
         TeachError::Noise { found } => {
             format!(
-                "the noise of taught points is {:.3} µm, but has to be positive; omit it if it is not known",
-                found * 1e6
+                "the noise of taught points is {}, but has to be positive; omit it if it is not known",
+                units.small(*found, 3)
             )
         }
         TeachError::Collinear { spread, min, best } => format!(
-            "the taught points lie within {:.1} µm of one line, which leaves the tilt about it undetermined: teach a point at least {:.1} mm from it, best near {:.0}, {:.0}, {:.0}",
-            spread * 1e6,
-            mm(*min),
-            mm(best.x),
-            mm(best.y),
-            mm(best.z)
+            "the taught points lie within {} of one line, which leaves the tilt about it undetermined: teach a point at least {} from it, best near {}, {}, {}",
+            units.small(*spread, 1),
+            units.length(*min, 1),
+            units.bare(best.x, 0),
+            units.bare(best.y, 0),
+            units.bare(best.z, 0)
         ),
         TeachError::Upright { tilt } => format!(
             "the plane of the taught points is upright: its normal is {:.3}° from vertical",
             deg(*tilt)
         ),
         TeachError::NotAbove { rise } => format!(
-            "the last slot was taught {} mm above the first; it must be above it by the pitch of the slots between them",
-            mm(*rise)
+            "the last slot was taught {} above the first; it must be above it by the pitch of the slots between them",
+            units.exact(*rise)
         ),
         other => other.to_string(),
     }
@@ -238,22 +251,26 @@ pub fn explain_teach(error: &TeachError) -> String {
 
 /// The message of a wafer that does not rest on its supports.
 #[must_use]
-pub fn explain_sag(error: &SagError) -> String {
+pub fn explain_sag(error: &SagError, units: DisplayUnits) -> String {
     match error {
         SagError::Support { what, found, diameter, max } => format!(
-            "{what} of {:.3} mm does not support a wafer of {:.3} mm: it must be more than 0 and at most {:.3} mm",
-            mm(*found),
-            mm(*diameter),
-            mm(*max)
+            "{what} of {} does not support a wafer of {}: it must be more than 0 and at most {}",
+            units.length(*found, 3),
+            units.length(*diameter, 3),
+            units.length(*max, 3)
         ),
         other => other.to_string(),
     }
 }
 
 /// The limits that all branches violate, or else the limits of each branch.
-fn explain_rejected(robot: &HybridRobot, branches: &[RejectedBranch]) -> String {
+fn explain_rejected(
+    robot: &HybridRobot,
+    branches: &[RejectedBranch],
+    units: DisplayUnits,
+) -> String {
     let listed = |limits: &mut dyn Iterator<Item = &LimitViolation>| {
-        limits.map(|limit| explain_limit(robot, limit)).collect::<Vec<_>>().join("; and ")
+        limits.map(|limit| explain_limit(robot, limit, units)).collect::<Vec<_>>().join("; and ")
     };
     let of_first = branches.iter().take(1).flat_map(|branch| &branch.violations);
     let mut common = of_first.filter(|limit| {

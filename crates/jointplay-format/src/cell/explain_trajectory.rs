@@ -1,28 +1,29 @@
-//! Errors of trajectories as messages in mm and degrees.
+//! Errors of trajectories as messages in units of display and degrees.
 
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::trajectory::{PathError, PathErrorKind, StepError, StepErrorKind};
 
 use super::explain::{explain_unreachable_pose, position};
-use crate::units::{deg, mm};
+use crate::display_units::DisplayUnits;
+use crate::units::deg;
 
 /// Remedy for a Cartesian line that the robot cannot follow.
 const REMEDY: &str = "change the radius of the station, `retract_mm`, the heading (`heading_deg`, `approach`) or the posture at the start of the line, or move the axes instead";
 
 /// The message of a step without a trajectory, with a remedy.
 #[must_use]
-pub fn explain_step(robot: &HybridRobot, error: &StepError) -> String {
+pub fn explain_step(robot: &HybridRobot, error: &StepError, units: DisplayUnits) -> String {
     match &error.kind {
         StepErrorKind::NotContinuous { axis, start, previous_end } => {
             let axis = &robot.axes[*axis];
             format!(
                 "axis {} starts at {}, but the previous step ends at {}: each step must start where the previous one ends",
                 axis.name,
-                position(axis, *start),
-                position(axis, *previous_end)
+                position(axis, *start, units),
+                position(axis, *previous_end, units)
             )
         }
-        StepErrorKind::Path(error) => explain_path(robot, error),
+        StepErrorKind::Path(error) => explain_path(robot, error, units),
         StepErrorKind::TooLong { step, allowed, .. } if step > allowed => format!(
             "this motion alone takes {step:.0} s, but a program may take at most {allowed:.0} s (one day): raise SPEED, or the velocity, acceleration and jerk limits of the axes that move"
         ),
@@ -35,14 +36,14 @@ pub fn explain_step(robot: &HybridRobot, error: &StepError) -> String {
 
 /// The message of a Cartesian line that the axes cannot follow, with a remedy.
 #[must_use]
-pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
+pub fn explain_path(robot: &HybridRobot, error: &PathError, units: DisplayUnits) -> String {
     let share = 100.0 * error.fraction;
     let position_on_line = error.position.map_or_else(String::new, |position| {
-        let [x, y, z] = [position.x, position.y, position.z].map(mm);
-        format!(", at x {x:.1}, y {y:.1}, z {z:.1} mm")
+        let [x, y, z] = [position.x, position.y, position.z].map(|value| units.bare(value, 1));
+        format!(", at x {x}, y {y}, z {z} {}", units.unit())
     });
     let why = match &error.kind {
-        PathErrorKind::Pose(error) => explain_unreachable_pose(robot, error),
+        PathErrorKind::Pose(error) => explain_unreachable_pose(robot, error, units),
         PathErrorKind::Singular => format!(
             "the arm is in a singular position, in which the effector cannot follow the line in all directions; {REMEDY}"
         ),
@@ -50,8 +51,8 @@ pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
             let heading = heading
                 .map_or_else(String::new, |heading| format!(", {:.2}° of heading", deg(heading)));
             format!(
-                "the effector does not reach the line: {:.3} mm, {:.3} mrad of tilt{heading} are missing; {REMEDY}",
-                mm(*distance),
+                "the effector does not reach the line: {}, {:.3} mrad of tilt{heading} are missing; {REMEDY}",
+                units.length(*distance, 3),
                 tilt * 1e3
             )
         }
@@ -60,15 +61,15 @@ pub fn explain_path(robot: &HybridRobot, error: &PathError) -> String {
             format!(
                 "the line ends on another branch of the arm than required: axis {} differs by {}; {REMEDY}",
                 axis.name,
-                position(axis, *difference)
+                position(axis, *difference, units)
             )
         }
         PathErrorKind::Discontinuity => {
             format!("the axes jump from one branch of the arm to another; {REMEDY}")
         }
         PathErrorKind::NotConverged { deviation, points } => format!(
-            "the wafer deviates by {:.3} mm from the line with {points} points: the line passes too close to a singular position; {REMEDY}",
-            mm(*deviation)
+            "the wafer deviates by {} from the line with {points} points: the line passes too close to a singular position; {REMEDY}",
+            units.length(*deviation, 3)
         ),
         other => other.to_string(),
     };

@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 use std::ops::Range;
 
+use crate::display_units::DisplayUnits;
 use jointplay_cell::displacement::Tolerances;
 use jointplay_cell::robot::{EffectorId, HybridRobot};
 use jointplay_cell::station::{DwellLimits, SlotId, WaferRules};
@@ -122,7 +123,7 @@ fn whole<T>(
         && let Some(Err(invalid)) = cell.as_ref().map(Cell::validate)
     {
         for InvalidPart { part, error } in invalid {
-            reader.report(span_of(&top, part), Fault::Unfit(explain(&error)));
+            reader.report(span_of(&top, part), Fault::Unfit(explain(&error, DisplayUnits::Metric)));
         }
     }
     let result = reader.is_clean().then(|| result(&expanded, &reader));

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::display_units::DisplayUnits;
 use jointplay_cell::CellError;
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::station::teach::{self, FrameUncertainty, NominalFrame};
@@ -228,7 +229,9 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>, sensors: &Sensors) -> 
             entry.report(reader, Fault::Unfit(why.to_owned()));
         }
         let found = teach::carrier_axis(first?, last?, slots, noise)
-            .map_err(|error| carrier_axis.report(Fault::Unfit(explain_teach(&error))))
+            .map_err(|error| {
+                carrier_axis.report(Fault::Unfit(explain_teach(&error, DisplayUnits::Metric)))
+            })
             .ok()?;
         if let Some(pitch) = pitch.filter(|pitch| (found.pitch / pitch - 1.0).abs() > PITCH_SHARE) {
             carrier_axis.report(Fault::Unfit(format!(

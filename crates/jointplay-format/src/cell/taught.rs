@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::display_units::DisplayUnits;
 use jointplay_cell::station::teach::{
     FitResult, NominalFrame, PlaneFit, ReferenceFit, ReferencePoint, StatedUncertainty,
     TaughtFrame, TeachError, fit_plane, fit_references,
@@ -81,7 +82,10 @@ pub(super) fn taught(
             let fit = fit_references(&in_plane, &found?, threshold, reference_noise?.as_deref());
             let fit = fit
                 .map_err(|error| {
-                    taught.report_at("references", Fault::Unfit(explain_teach(&error)));
+                    taught.report_at(
+                        "references",
+                        Fault::Unfit(explain_teach(&error, DisplayUnits::Metric)),
+                    );
                 })
                 .ok()?;
             if fit.agreement.result == FitResult::Inconsistent {
@@ -107,7 +111,7 @@ fn plane(
                 TeachError::Repeated { second, .. } => Some(second),
                 _ => None,
             };
-            report_point(taught, "points_mm", second, explain_teach(&error));
+            report_point(taught, "points_mm", second, explain_teach(&error, DisplayUnits::Metric));
         })
         .ok()?;
     if fit.agreement.result == FitResult::Inconsistent {

@@ -6,6 +6,7 @@ use jointplay_cell::station::LineRemedy;
 
 use super::lexer::{Token, line_at};
 use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose, leveling_angle};
+use crate::display_units::DisplayUnits;
 use crate::place::{self, Error, nearest, suggestion};
 
 /// A planning error of a program as a message.
@@ -18,8 +19,13 @@ pub struct Explained {
 
 /// The place and the message of a planning error in the text of a program.
 #[must_use]
-pub fn explain(robot: &HybridRobot, text: &str, error: &ProgramError) -> Error<Explained> {
-    let mut message = message(robot, error);
+pub fn explain(
+    robot: &HybridRobot,
+    text: &str,
+    error: &ProgramError,
+    units: DisplayUnits,
+) -> Error<Explained> {
+    let mut message = message(robot, error, units);
     if let ProgramProblem::Unknown { found, known, .. } = &error.problem {
         let lower = found.to_lowercase();
         // Names are case sensitive, and incorrect case is a common typing error.
@@ -43,30 +49,30 @@ fn difference(found: &str, known: &[String]) -> Option<String> {
     (names && is_operand(left) && is_operand(right)).then(|| format!("{left} - {right}"))
 }
 
-/// A problem in mm and degrees.
-fn message(robot: &HybridRobot, error: &ProgramError) -> String {
+/// A problem in units of display and degrees.
+fn message(robot: &HybridRobot, error: &ProgramError, units: DisplayUnits) -> String {
     let problem = match &error.problem {
         ProgramProblem::Limits { what, violations } => {
             let limits: Vec<String> =
-                violations.iter().map(|limit| explain_limit(robot, limit)).collect();
+                violations.iter().map(|limit| explain_limit(robot, limit, units)).collect();
             format!("{what} violates limits: {}", limits.join("; "))
         }
         ProgramProblem::Unreachable { target, effector, loaded, leveling, source } => {
             let load = if *loaded { "loaded" } else { "empty" };
-            let why = explain_unreachable_pose(robot, source);
+            let why = explain_unreachable_pose(robot, source, units);
             let remedy = leveling.as_ref().map_or_else(String::new, remedy);
             format!("effector {effector}, {load}, does not reach {target}: {why}{remedy}")
         }
         ProgramProblem::InfeasibleLine { station, effector, blocked } => {
             format!(
-                "effector {effector} cannot follow the line into {station}: its arm stops {:.1} % along the line, with the wafer {:.1} mm from the axis that the arm turns about{}",
+                "effector {effector} cannot follow the line into {station}: its arm stops {:.1} % along the line, with the wafer {} from the axis that the arm turns about{}",
                 blocked.fraction * 1e2,
-                blocked.reach * 1e3,
-                line_remedies(robot, station, &blocked.remedies)
+                units.length(blocked.reach, 1),
+                line_remedies(robot, station, &blocked.remedies, units)
             )
         }
         ProgramProblem::Sag { effector, source } => {
-            format!("effector {effector} does not carry the wafer: {}", explain_sag(source))
+            format!("effector {effector} does not carry the wafer: {}", explain_sag(source, units))
         }
         // Other problems have no lengths or angles.
         _ => return error.to_string(),
@@ -74,8 +80,13 @@ fn message(robot: &HybridRobot, error: &ProgramError) -> String {
     problem + &error.note()
 }
 
-/// The changes of a station or robot that make a line possible.
-fn line_remedies(robot: &HybridRobot, station: &str, remedies: &[LineRemedy]) -> String {
+/// The changes of a station or robot that make a line possible; values of the file are in its units.
+fn line_remedies(
+    robot: &HybridRobot,
+    station: &str,
+    remedies: &[LineRemedy],
+    units: DisplayUnits,
+) -> String {
     if remedies.is_empty() {
         return "; no single change of retract distance, radius, heading or limit makes it possible"
             .to_owned();
@@ -83,7 +94,7 @@ fn line_remedies(robot: &HybridRobot, station: &str, remedies: &[LineRemedy]) ->
     let remedy = |remedy: &LineRemedy| match remedy {
         LineRemedy::Retract(reach) => format!("set retract_mm = {:.0} of {station}", reach * 1e3),
         LineRemedy::Radius(reach) => {
-            format!("move {station} to {:.0} mm from that axis", reach * 1e3)
+            format!("move {station} to {} from that axis", units.length(*reach, 0))
         }
         LineRemedy::FreeHeading => {
             format!("set approach = \"radial\" of {station}, so that the wafer may turn")

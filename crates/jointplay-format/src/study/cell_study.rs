@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::display_units::DisplayUnits;
 use jointplay_cell::program::name_errors;
 use jointplay_study::plan::{Portions, Study as _, SweepPlan, SweptValue, Variation};
 
@@ -91,8 +92,9 @@ pub(super) fn read(
     for program in &programs {
         let errors = name_errors(&cell, &program::parse_recovering(&program.text).0);
         if !errors.is_empty() {
-            let explained =
-                errors.iter().map(|error| program::explain(&cell.robot, &program.text, error));
+            let explained = errors.iter().map(|error| {
+                program::explain(&cell.robot, &program.text, error, DisplayUnits::Metric)
+            });
             let errors = lines(explained.map(|error| (error.place.line, error.to_string())));
             let name = program.name.clone();
             top.report_at(program_key(top), Problem::ProgramFile { name, errors });

@@ -2,6 +2,7 @@
 
 use jointplay_cell::check::{Report, Violation};
 use jointplay_cell::workcell::Cell;
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::program::phase_name;
 use jointplay_report::explain_violation;
 
@@ -16,7 +17,7 @@ pub struct ViolationNote {
     pub message: String,
 }
 
-/// The violations of a motion for exported files.
+/// The violations of a motion for exported files, in mm and degrees.
 #[must_use]
 pub fn violation_notes(cell: &Cell, report: &Report) -> Vec<ViolationNote> {
     let violation_note = |one: &Violation| ViolationNote {
@@ -27,7 +28,7 @@ pub fn violation_notes(cell: &Cell, report: &Report) -> Vec<ViolationNote> {
             one.place.line,
             phase_name(one.phase),
             one.kind,
-            explain_violation(cell, one)
+            explain_violation(cell, one, DisplayUnits::Metric)
         ),
     };
     report.violations.iter().map(violation_note).collect()

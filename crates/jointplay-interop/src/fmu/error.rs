@@ -3,6 +3,7 @@
 use jointplay_core::Error as CoreError;
 use jointplay_core::mechanism::joint::Coordinate;
 use jointplay_format::coordinates;
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::explain::explain;
 use jointplay_format::number::number;
 
@@ -13,7 +14,7 @@ use super::free_motions::{FreeMotion, explained};
 #[non_exhaustive]
 pub enum Error {
     /// An error of the computation.
-    #[error("{}", explain(.0))]
+    #[error("{}", explain(.0, DisplayUnits::Metric))]
     Core(#[from] CoreError),
     /// A mechanism without inputs.
     #[error(
@@ -90,7 +91,7 @@ pub enum Error {
     },
     /// Drives that are too far from those of the configuration before.
     #[error(
-        "{}; {variable} is {} {} from its value at the step before: use shorter steps", explain(source), number(*distance), unit(*quantity)
+        "{}; {variable} is {} {} from its value at the step before: use shorter steps", explain(source, DisplayUnits::Metric), number(*distance), unit(*quantity)
     )]
     TooFar {
         /// Why there is no solution.

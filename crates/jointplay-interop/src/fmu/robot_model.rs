@@ -7,6 +7,7 @@ use jointplay_core::spatial::quaternion_rate;
 use jointplay_core::virtualization::{
     BuiltIn, SolveOptions, VirtualJointKind, Virtualization, built_in,
 };
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::explain::explain_limit;
 use jointplay_format::robot::parse_with;
 use nalgebra::{DVector, Vector3};
@@ -90,7 +91,10 @@ impl RobotModel {
         let found = self.solver.forward(rods);
         let pose = found.map_err(|error| match error {
             CoreError::BeyondLimits(broken) => Error::BeyondLimits {
-                messages: broken.iter().map(|one| explain_limit(&one)).collect(),
+                messages: broken
+                    .iter()
+                    .map(|one| explain_limit(&one, DisplayUnits::Metric))
+                    .collect(),
             },
             other => other.into(),
         })?;

@@ -4,6 +4,7 @@ use jointplay_cell::PlanError;
 use jointplay_cell::controller::Refusal;
 use jointplay_cell::workcell::Cell;
 use jointplay_format::cell::explain_trajectory::explain_step;
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::program;
 
 use crate::export::violation_notes;
@@ -101,7 +102,9 @@ impl Refused {
         match refusal {
             Refusal::Plan(PlanError::Program(errors)) => {
                 let is_infeasible = errors.iter().all(|one| one.problem.is_infeasible());
-                let explained = errors.first().map(|one| program::explain(robot, text, one));
+                let explained = errors
+                    .first()
+                    .map(|one| program::explain(robot, text, one, DisplayUnits::Metric));
                 let why = explained.map_or_else(String::new, |error| error.to_string());
                 let reason = match is_infeasible {
                     true => RefusalReason::Unreachable,
@@ -110,7 +113,8 @@ impl Refused {
                 Self::new(reason, why)
             }
             Refusal::Plan(PlanError::Trajectory(error)) => {
-                let step = error.steps.first().map(|one| explain_step(robot, one));
+                let step =
+                    error.steps.first().map(|one| explain_step(robot, one, DisplayUnits::Metric));
                 Self::new(RefusalReason::Unreachable, step.unwrap_or_default())
             }
             Refusal::Plan(error) => Self::new(RefusalReason::Invalid, error.to_string()),

@@ -5,6 +5,7 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jointplay::cell::StopRequested;
 use jointplay::cell::check::{CheckOptions, remedies};
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::number::counted;
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, IncludedDialect};
 use jointplay::interop::export::{self, MotionExport, SampleOptions, report_page};
@@ -195,20 +196,22 @@ fn dialect(name: Option<&str>) -> Result<Dialect, Problem> {
     Dialect::parse(known.text).map_err(|errors| Problem::broken(&errors.to_string()))
 }
 
-/// The page of a report, with remedies of violations.
+/// The page of a report in mm and degrees, with remedies of violations.
 fn page(
     plan: &Plan,
     motion_export: &MotionExport<'_>,
     name: &str,
     stop: StopRequested<'_>,
 ) -> Result<String, Problem> {
-    let (Some(check), Some(document)) = (&plan.check, &plan.report) else {
+    let Some(check) = &plan.check else {
         return Err(Problem::request(StatusCode::CONFLICT, no_motion(plan)));
     };
     let MotionExport { cell, motion, program: text, .. } = *motion_export;
     let found = remedies(cell, motion, &CheckOptions::default(), check, stop);
-    let remedies = Some(report::remedy_reports(cell, &found.map_err(interrupted)?));
-    let report = &CellReport { remedies, ..document.clone() };
+    let remedies =
+        Some(report::remedy_reports(cell, &found.map_err(interrupted)?, DisplayUnits::Metric));
+    let document = report::cell(cell, text, motion, check, DisplayUnits::Metric);
+    let report = &CellReport { remedies, ..document };
     report_page(motion_export, check, PageProgram { name, text, report }, None)
         .map_err(|error| Problem::request(StatusCode::CONFLICT, error.to_string()))
 }

@@ -21,6 +21,7 @@ use super::lookup::{
 };
 use super::pose::answer;
 use crate::body::Body;
+use crate::display::display_units;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::cell_jog::{JogRequest, JogTarget, positions};
@@ -178,7 +179,11 @@ fn play(cell: &Cell, positions: &[f64]) -> PlatformPlayDocument {
         let model = ModelChoice::of(virtualization, options);
         match found {
             Ok(answer) => ModelDocument { model, answer: Some(answer), problem: None },
-            Err(error) => ModelDocument { model, answer: None, problem: Some(explain(&error)) },
+            Err(error) => ModelDocument {
+                model,
+                answer: None,
+                problem: Some(explain(&error, display_units())),
+            },
         }
     };
     PlatformPlayDocument {

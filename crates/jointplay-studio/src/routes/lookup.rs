@@ -9,6 +9,7 @@ use jointplay::cell::{CellError, Interrupted};
 use jointplay::format::cell::explain;
 use jointplay::interop::export::MotionExport;
 
+use crate::display::display_units;
 use crate::plan::{Plan, rest_at_home};
 use crate::problem::Problem;
 use crate::wire::cell_jog::SlotFields;
@@ -49,7 +50,7 @@ pub(super) fn robot_motion<'p>(
 }
 
 pub(super) fn cell_error(error: CellError) -> Problem {
-    Problem::request(StatusCode::CONFLICT, explain::explain(&error))
+    Problem::request(StatusCode::CONFLICT, explain::explain(&error, display_units()))
 }
 
 /// The effector with a name; the first one without a name.

@@ -2,11 +2,14 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::mechanism::{MechanismSystem, branches, poses_along_motion};
+use jointplay::mechanism::{
+    MechanismSystem, SparseSystem, branches, poses_along_motion, poses_along_sparse_motion,
+};
 use jointplay::mobility::{RANK_THRESHOLD, instantaneous_mobility};
+use jointplay::spatial::Pose;
 
 use crate::body::Body;
-use crate::mechanism_source::{self, ReadMechanism, play_scale};
+use crate::mechanism_source::{self, play_scale, too_large};
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::mechanism_view::{
@@ -17,14 +20,8 @@ use crate::wire::mechanism_view::{
 const STARTS: usize = 30;
 /// Poses of a motion are at this many steps to either side.
 const STEPS: i32 = 8;
-
-fn dense(read: &ReadMechanism) -> Result<(), Problem> {
-    if MechanismSystem::fits(&read.file.mechanism) {
-        return Ok(());
-    }
-    let detail = "the mechanism has too many loops for this analysis";
-    Err(Problem::field("mechanism.text", detail))
-}
+/// Largest number of poses in a response, some 20 MB: further motions are not drawn.
+const MAX_POSES: usize = 100_000;
 
 /// The instantaneous motions of a mechanism in a configuration, as poses to animate
 ///
@@ -51,20 +48,26 @@ pub(crate) async fn instantaneous_motions(
 fn motions(request: &ConfigurationRequest) -> Result<MotionsDocument, Problem> {
     play_scale(request.play_scale)?;
     let read = mechanism_source::required(&request.mechanism)?;
-    dense(&read)?;
     let at = read.closed_at(read.checked(&request.coordinates, "coordinates")?)?;
-    let system = MechanismSystem::new(&read.file.mechanism, at.coordinates)?;
-    let first = instantaneous_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
-    let motion = |motion: usize| {
-        let step = |k: i32| {
-            let poses =
-                poses_along_motion(&system, &first, motion, f64::from(k) / f64::from(STEPS))?;
-            Ok(poses.iter().map(Into::into).collect())
-        };
-        Ok(MotionDocument { steps: (-STEPS..=STEPS).map(step).collect::<Result<_, Problem>>()? })
+    let mechanism = &read.file.mechanism;
+    let shares: Vec<f64> = (-STEPS..=STEPS).map(|k| f64::from(k) / f64::from(STEPS)).collect();
+    let allowed = MAX_POSES / (shares.len() * mechanism.links().len().max(1));
+    let described = |steps: Vec<Vec<Pose>>| MotionDocument {
+        steps: steps.iter().map(|poses| poses.iter().map(Into::into).collect()).collect(),
     };
-    let motions = (0..first.mobility).map(motion).collect::<Result<_, Problem>>()?;
-    Ok(MotionsDocument { motions })
+    if !MechanismSystem::fits(mechanism) {
+        let system = SparseSystem::new(mechanism, at.coordinates)?;
+        let found = system.mobility(RANK_THRESHOLD)?;
+        let motion =
+            |motion| poses_along_sparse_motion(&system, &found, motion, &shares).map(described);
+        let motions = (0..found.mobility.min(allowed)).map(motion).collect::<Result<_, _>>()?;
+        return Ok(MotionsDocument { mobility: found.mobility, motions });
+    }
+    let system = MechanismSystem::new(mechanism, at.coordinates)?;
+    let first = instantaneous_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
+    let motion = |motion| poses_along_motion(&system, &first, motion, &shares).map(described);
+    let motions = (0..first.mobility.min(allowed)).map(motion).collect::<Result<_, _>>()?;
+    Ok(MotionsDocument { mobility: first.mobility, motions })
 }
 
 /// The assembly modes of a mechanism: closed configurations with the actuated joints at given values
@@ -92,8 +95,8 @@ pub(crate) async fn assembly_modes(
 fn modes(request: &ConfigurationRequest) -> Result<BranchesDocument, Problem> {
     let scale = play_scale(request.play_scale)?;
     let read = mechanism_source::required(&request.mechanism)?;
-    dense(&read)?;
     let mechanism = &read.file.mechanism;
+    MechanismSystem::check_size(mechanism).map_err(|error| too_large(&error))?;
     let mut start = read.checked(&request.coordinates, "coordinates")?;
     // Assembly modes are those of rigid links.
     let joints = mechanism.joint_freedoms();

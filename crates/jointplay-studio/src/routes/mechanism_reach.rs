@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::units;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::mechanism::{
     Kinematics, PointTarget, ReachedPoint, exaggerated_link_poses, reach_point,
 };
@@ -70,7 +70,7 @@ fn reach(request: &ReachRequest) -> Result<ReachedDocument, Problem> {
     let names = found.at_limits.iter().map(|&k| read.coordinates.all()[k].name.clone());
     let at_limits: Vec<String> = names.collect();
     Ok(ReachedDocument {
-        message: message(&found, &at_limits),
+        message: message(&found, &at_limits, DisplayUnits::of(read.file.units.length)),
         configuration: read.configuration(&found.closed, scale)?,
         position_m: Triple(found.position_in_base.into()),
         distance_m: found.distance,
@@ -86,11 +86,11 @@ fn vector(Triple(values): Triple, field: &str) -> Result<Vector3<f64>, Problem> 
 }
 
 /// The remaining distance, and what keeps the point there.
-fn message(found: &ReachedPoint, at_limits: &[String]) -> Option<String> {
+fn message(found: &ReachedPoint, at_limits: &[String], units: DisplayUnits) -> Option<String> {
     if found.distance <= REACHED {
         return None;
     }
-    let distance = format!("{:.4} mm", units::mm(found.distance));
+    let distance = units.length(found.distance, 4);
     Some(match at_limits {
         [] => format!("The nearest reachable position is {distance} away."),
         [one] => format!("The nearest position within the limits of {one} is {distance} away."),

@@ -11,7 +11,7 @@ use jointplay::nalgebra::DVector;
 use jointplay::report;
 
 use crate::body::Body;
-use crate::mechanism_source;
+use crate::mechanism_source::{self, too_large};
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::mechanism_view::{SuggestDocument, SuggestRequest};
@@ -45,10 +45,7 @@ fn compute(request: &SuggestRequest) -> Result<SuggestDocument, Problem> {
     let mut read = mechanism_source::required(&request.mechanism)?;
     let bare = read.file.mechanism.clone().with_virtual_joints(Vec::new());
     let bare = bare.expect("a mechanism without virtual joints is valid");
-    if !MechanismSystem::fits(&bare) {
-        let detail = "the mechanism has too many loops for a search of virtual joints";
-        return Err(Problem::field("mechanism.text", detail));
-    }
+    MechanismSystem::check_size(&bare).map_err(|error| too_large(&error))?;
     let home = close_nearly(&read.file.mechanism)?.coordinates;
     read.file.mechanism = bare;
     read.coordinates = jointplay::format::coordinates::Coordinates::of(&read.file);

@@ -11,6 +11,7 @@ use jointplay::virtualization::{Planar, SolveOptions, Virtualization};
 
 use super::solve_command;
 use crate::body::Body;
+use crate::display::display_units;
 use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::pose::{
@@ -86,7 +87,7 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
         let found = answer(gpr, rods, choice.model(), &options, bounds, with_mobility);
         let (answer, problem) = match found {
             Ok(answer) => (Some(answer), None),
-            Err(error) => (None, Some(explain(&error))),
+            Err(error) => (None, Some(explain(&error, display_units()))),
         };
         document.models.push(ModelDocument { model: *choice, answer, problem });
     }

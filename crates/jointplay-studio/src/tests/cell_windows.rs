@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use axum::Router;
 use axum::body::Body;
 use axum::http::{Method, Request, StatusCode, header};
 use jointplay::format::robot;
@@ -10,9 +11,48 @@ use serde_json::{Value, json};
 use tower::ServiceExt as _;
 
 use super::cell::{SHORT, ask, fetch, plan, server, unpacked, window};
-use super::{HOST, PORT, state};
+use super::{HOST, PORT, send_to, state};
 use crate::cell_files::CellFiles;
 use crate::session::WorkcellSession;
+
+/// The plan of a cell whose wall is in the path of the arms, with messages in the unit of a header.
+fn blocked(server: &Router, unit: &str) -> Value {
+    let cell = cell().replace("[100.0, -600.0, 500.0]", "[-330.0, 330.0, 500.0]");
+    let request = Request::post("/api/v1/cell/plan")
+        .header(header::HOST, HOST)
+        .header(header::CONTENT_TYPE, "application/json")
+        .header("length-unit", unit)
+        .body(Body::from(json!({ "cell": cell, "program": SHORT }).to_string()));
+    send_to(server.clone(), request.unwrap()).json()
+}
+
+#[test]
+fn violations_of_plans_and_windows_are_in_the_unit_of_the_request() {
+    let server = server(CellFiles::example());
+    let depth = |unit: &str, name: &str| {
+        let found = blocked(&server, unit);
+        let messages = |list: &Value| -> Vec<String> {
+            list.as_array().unwrap().iter().map(|one| one["message"].to_string()).collect()
+        };
+        let report = &found["report"];
+        let listed = messages(&report["violations"]);
+        let windows = keys(&found);
+        let in_windows: Vec<String> = windows
+            .iter()
+            .flat_map(|key| messages(&window(&server, key).0["violations"]))
+            .collect();
+        let collision = listed.iter().find(|one| one.contains("blade-A and wall collide")).unwrap();
+        assert!(in_windows.contains(collision), "{in_windows:?}");
+        let (_, rest) = collision.split_once("penetration depth of ").unwrap();
+        let (number, found_unit) = rest.trim_end_matches('"').split_once(' ').unwrap();
+        assert_eq!(found_unit, name, "{collision}");
+        let unit = report["violation_groups"].as_array().unwrap().iter().map(|one| &one["unit"]);
+        assert!(unit.clone().any(|one| one == name), "{report}");
+        number.parse::<f64>().unwrap()
+    };
+    let [mm, inches] = [depth("mm", "mm"), depth("in", "in")];
+    assert!((mm / 25.4 - inches).abs() < 1e-4, "{mm} mm, {inches} in");
+}
 
 /// All entities of a list of violations.
 fn entities(violations: &Value) -> BTreeSet<String> {

@@ -82,10 +82,9 @@ fn an_opened_mechanism_has_its_joints_limits_and_parameters() {
     assert_eq!((bars(1), bars(2)), (1, 1));
 }
 
-#[test]
-fn joints_of_many_short_links_do_not_cover_them() {
+/// A row of 50 parallelograms: cranks and couplers of 100 mm along 5 m.
+fn row() -> String {
     use std::fmt::Write;
-    // A row of parallelograms: cranks and couplers of 100 mm along 5 m.
     let mut text = String::from(
         "kind = \"mechanism\"\nname = \"row\"\nunits = { length = \"mm\", angle = \"deg\" }\nbase = \"rail\"\n",
     );
@@ -101,6 +100,35 @@ fn joints_of_many_short_links_do_not_cover_them() {
             joint(format!("pin {k} {end}"), links, [100 * end, 100]);
         }
     }
+    text
+}
+
+#[test]
+fn the_cranks_of_a_row_with_many_loops_turn_together_and_its_couplers_translate() {
+    let text = row();
+    let opened = &open(&text)["mechanism"];
+    let at = &opened["configuration"]["coordinates"];
+    let body = json!({ "mechanism": source(&text), "coordinates": at }).to_string();
+    let found = answered("/api/v1/mechanism/motions", &body);
+    assert_eq!(found["mobility"], 1);
+    let steps = found["motions"][0]["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 17);
+    let sine = |step: usize, link: usize| steps[step][link]["rotation"][1][0].as_f64().unwrap();
+    for (link, described) in opened["links"].as_array().unwrap().iter().enumerate() {
+        let name = described["name"].as_str().unwrap();
+        let expected = if name.starts_with("crank") { sine(16, 1) } else { 0.0 };
+        assert!((sine(16, link) - expected).abs() < 1e-9, "{name}: {}", sine(16, link));
+        assert!((sine(0, link) + expected).abs() < 1e-9, "{name}: {}", sine(0, link));
+    }
+    assert!(sine(16, 1).abs() > 0.01, "{}", sine(16, 1));
+    let path = "/api/v1/mechanism/branches";
+    let detail = "closure equations, but at most 240 are taken here";
+    refused(path, &body, 422, Some("mechanism.text"), detail);
+}
+
+#[test]
+fn joints_of_many_short_links_do_not_cover_them() {
+    let text = row();
     let opened = &open(&text)["mechanism"];
     let radius = opened["joint_radius_m"].as_f64().unwrap();
     assert!(opened["size_m"].as_f64().unwrap() > 2.0, "{opened}");

@@ -1,6 +1,9 @@
 //! Requests that correspond to commands; the equality of the results is tested by the command line.
 
-use super::{answered, refused};
+use axum::body::Body;
+use axum::http::{Request, header};
+
+use super::{HOST, answered, refused, send};
 
 const FORWARD: &str = "/api/v1/forward";
 
@@ -98,4 +101,33 @@ fn typed_lengths_and_angles_have_units_of_their_own() {
     refuse("(".repeat(90).as_str(), "mm", "");
     refuse("1+".repeat(200_000).as_str(), "mm", "400000 bytes, at most 1000");
     refuse("height", "mm", "unknown name `height`");
+}
+
+/// The detail of a pose far beyond the limits, in the unit of a header.
+fn in_unit(unit: Option<&str>) -> (u16, String) {
+    let body = r#"{"rods_m": [0.5, 0.6, 1.0], "model": {}}"#;
+    let mut request = Request::post("/api/v1/forward")
+        .header(header::HOST, HOST)
+        .header(header::CONTENT_TYPE, "application/json");
+    if let Some(unit) = unit {
+        request = request.header("Length-Unit", unit);
+    }
+    let answer = send(request.body(Body::from(body)).unwrap());
+    let detail = answer.json()["detail"].as_str().unwrap_or_default().to_owned();
+    (answer.status.as_u16(), detail)
+}
+
+#[test]
+fn lengths_in_messages_have_the_unit_of_the_request() {
+    let contains = |unit: Option<&str>, status: u16, part: &str| {
+        let (found, detail) = in_unit(unit);
+        assert!(found == status && detail.contains(part), "{unit:?}: {found} {detail}");
+    };
+    contains(None, 409, "rod 3 is 1000.000000 mm long");
+    contains(Some("mm"), 409, "rod 3 is 1000.000000 mm long");
+    // 1000 mm / 25.4.
+    contains(Some("in"), 409, "rod 3 is 39.370079 in long, its limits are ");
+    contains(Some("cm"), 422, "unknown unit \"cm\" in the header length-unit; known: mm, in");
+    let (_, detail) = in_unit(Some("in"));
+    assert!(!detail.contains("mm"), "{detail}");
 }

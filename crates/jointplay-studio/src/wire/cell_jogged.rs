@@ -18,6 +18,7 @@ use super::Triple;
 use super::cell_pose::PoseCheckDocument;
 use super::model::VirtualizationName;
 use super::pose::ModelDocument;
+use crate::display::display_units;
 
 /// State of a jogged robot.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -239,7 +240,7 @@ impl BranchDocument {
                 BranchSelection::OtherConfiguration => SelectionName::OtherElbow,
                 BranchSelection::NotNearest => SelectionName::NotNearest,
             },
-            description: explain_branch(&cell.robot, branch),
+            description: explain_branch(&cell.robot, branch, display_units()),
             positions: branch.positions.to_vec(),
         }
     }
@@ -280,7 +281,7 @@ impl StoppedDocument {
             StopReason::Contact(pair) => pair.map(|one| cell.entity_name(one)).to_vec(),
             _ => Vec::new(),
         };
-        let reasons = explain_stopped(cell, stopped);
+        let reasons = explain_stopped(cell, stopped, display_units());
         Self { kind: other.unwrap_or(of_limits), axes, reasons, contact }
     }
 }
@@ -334,7 +335,7 @@ pub(crate) fn effector(
         about_x_rad,
         about_y_rad,
         heading_rad: target.heading.unwrap_or_default(),
-        droop_unknown: unknown.as_ref().map(explain_droop),
+        droop_unknown: unknown.as_ref().map(|error| explain_droop(error, display_units())),
     }
 }
 

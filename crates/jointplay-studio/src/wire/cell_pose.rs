@@ -9,6 +9,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Triple;
+use crate::display::display_units;
 
 /// Minimum distances and violations of one pose of the robot at rest.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -43,7 +44,7 @@ pub(crate) struct PoseViolationDocument {
     pub(crate) entities: Vec<EntityReport>,
     /// Whether it is a contact of two bodies or the entry into a keep-out zone.
     pub(crate) is_contact: bool,
-    /// Description, in mm and degrees.
+    /// Description, with lengths in the unit of the request.
     pub(crate) message: String,
 }
 
@@ -85,7 +86,7 @@ impl PoseCheckDocument {
             kind: one.kind.to_string(),
             entities: one.entities.iter().map(|&one| EntityReport::new(cell, one)).collect(),
             is_contact: is_contact(one),
-            message: explain_violation(cell, one),
+            message: explain_violation(cell, one, display_units()),
         };
         let in_contact = touching(report).into_iter().flatten();
         let mut in_contact: Vec<EntityReport> =

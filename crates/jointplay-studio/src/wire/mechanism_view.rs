@@ -447,7 +447,9 @@ pub(crate) struct SuggestDocument {
 /// The instantaneous motions of a mechanism.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct MotionsDocument {
-    /// One for each dimension of the instantaneous mobility; an orthonormal basis.
+    /// Instantaneous mobility.
+    pub(crate) mobility: usize,
+    /// One for each dimension of the instantaneous mobility, a basis of independent motions; of mechanisms with very many links and motions the first ones.
     pub(crate) motions: Vec<MotionDocument>,
 }
 

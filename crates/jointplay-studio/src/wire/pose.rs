@@ -14,6 +14,7 @@ use utoipa::ToSchema;
 use super::model::SolverName;
 use super::robot_file::RobotSource;
 use super::{CommandFields, ModelChoice, Pair, Rods, Triple};
+use crate::display::display_units;
 
 /// Maximum number of models in a request.
 pub(crate) const MAX_MODELS: usize = 16;
@@ -306,7 +307,7 @@ impl TiltDocument {
 
 impl From<&BrokenLimit> for BrokenLimitDocument {
     fn from(broken: &BrokenLimit) -> Self {
-        let message = explain_limit(broken);
+        let message = explain_limit(broken, display_units());
         match *broken {
             BrokenLimit::Rod { limb, length, min, max } => {
                 Self { limb: Some(limb - 1), found: length, min, max, message }

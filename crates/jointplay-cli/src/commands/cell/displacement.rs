@@ -10,6 +10,7 @@ use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
 use jointplay::cell::workcell::Cell;
 use jointplay::format::cell::explain::explain_unreachable_pose;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::number::number;
 use jointplay::format::place::not_known;
 use jointplay::format::units::m_from_mm;
@@ -182,7 +183,7 @@ fn reachable(
 }
 
 fn unreachable(cell: &Cell, effector: EffectorId, error: &Unreachable) -> Failure {
-    let why = explain_unreachable_pose(&cell.robot, error);
+    let why = explain_unreachable_pose(&cell.robot, error, DisplayUnits::Metric);
     Failure::Unsolved(format!(
         "the wafer of {} is not reached: {why}",
         cell.effector_name(effector)

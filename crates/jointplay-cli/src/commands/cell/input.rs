@@ -12,6 +12,7 @@ use jointplay::cell::{
     IncrementalPlanner, PlanError, PlanOptions, PlanStage, Progress as JobProgress,
 };
 use jointplay::format::cell::explain_trajectory::explain_step;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::number::counted;
 use jointplay::format::program::Setting;
 use jointplay::format::{cell, program};
@@ -341,7 +342,8 @@ impl Input {
             PlanError::Program(errors) => self.refused(errors),
             PlanError::Trajectory(error) => {
                 let robot = &self.cell.cell.robot;
-                let explained = |one: &StepError| (one.place, explain_step(robot, one));
+                let explained =
+                    |one: &StepError| (one.place, explain_step(robot, one, DisplayUnits::Metric));
                 Failure::Infeasible(self.at(error.steps.iter().map(explained)))
             }
             PlanError::Cell(_) | PlanError::Interrupted(_) => Failure::Robot(error.to_string()),
@@ -386,8 +388,10 @@ impl Planned {
         progress.reporter().stage("searching remedies");
         let (cell, options) = (self.cell(), CheckOptions::default());
         let remedies = remedies(cell, &self.motion, &options, &self.report, &|| false).ok();
-        let remedies = remedies.map(|found| report::remedy_reports(cell, &found));
-        let document = report::cell(cell, &self.input.text, &self.motion, &self.report);
+        let remedies =
+            remedies.map(|found| report::remedy_reports(cell, &found, DisplayUnits::Metric));
+        let document =
+            report::cell(cell, &self.input.text, &self.motion, &self.report, DisplayUnits::Metric);
         report::CellReport { remedies, ..document }
     }
 
@@ -411,7 +415,7 @@ fn with_progress(reporter: Reporter) -> IncrementalPlanner {
 
 /// The diagnostic of an error of a program in its cell.
 fn program_diagnostic(cell: &Cell, error: &ProgramError, text: &str, label: &str) -> Diagnostic {
-    Diagnostic::new(&program::explain(&cell.robot, text, error), label)
+    Diagnostic::new(&program::explain(&cell.robot, text, error, DisplayUnits::Metric), label)
 }
 
 /// Reads a file that a cell refers to, in the folder of the cell or below.

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use jointplay::cell::check::ViolationKind;
 use jointplay::cell::program::SourceLocation;
+use jointplay::format::display_units::DisplayUnits;
 use jointplay::format::number::counted;
 use jointplay::report::{
     CellReport, OccurrenceReport, ViolationGroupReport, cell_facts, cell_tables, violation_groups,
@@ -59,7 +60,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
 /// Violations by cause, worst first: the worst of each group with an excerpt, and the number of violations by instruction and station.
 pub(super) fn violations(planned: &Planned) -> String {
     let all = &planned.report.violations;
-    let groups = violation_groups(planned.cell(), &planned.motion.steps, all);
+    let groups = violation_groups(planned.cell(), &planned.motion.steps, all, DisplayUnits::Metric);
     let mut text = String::new();
     for group in groups.iter().take(GROUPS) {
         let place = SourceLocation { line: group.line, column: group.column };

@@ -1,5 +1,6 @@
 //! The robot under the platform, and the model of the platform's position.
 
+use crate::display_units::DisplayUnits;
 use jointplay_cell::robot::PlatformModel;
 use jointplay_core::gpr::{Gpr, Limb, Limits};
 use jointplay_core::virtualization::{BuiltIn, Metric, SolveOptions, Solver};
@@ -51,7 +52,7 @@ pub(super) fn three_rods(reader: &Reader, entry: Entry) -> Option<Gpr> {
     }
     let limbs: Vec<Limb> = limbs.into_iter().collect::<Option<_>>()?;
     let made = Gpr::new([limbs[0], limbs[1], limbs[2]], limits?, height?);
-    made.map_err(|error| table.report(Fault::Unfit(explain(&error)))).ok()
+    made.map_err(|error| table.report(Fault::Unfit(explain(&error, DisplayUnits::Metric)))).ok()
 }
 
 fn limb(table: &Table) -> Option<Limb> {

@@ -9,6 +9,7 @@ use super::arm::read_arm;
 use super::axes::{motor, report_duplicate_names, rod_axes};
 use super::base::{platform, three_rods};
 use super::words::{KIND, ROD_NAMES};
+use crate::display_units::DisplayUnits;
 use crate::toml_reader::read_document;
 
 /// Longest accepted text (bytes).
@@ -31,7 +32,9 @@ pub(in super::super) fn from_table(table: &Table) -> Option<HybridRobot> {
     table.finish();
     let robot = robot?;
     if let Err((part, error)) = robot.check() {
-        table.reader.report(place(table, part), Fault::Unfit(explain_cell(&error)));
+        table
+            .reader
+            .report(place(table, part), Fault::Unfit(explain_cell(&error, DisplayUnits::Metric)));
         return None;
     }
     Some(robot)
