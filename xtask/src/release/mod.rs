@@ -124,7 +124,7 @@ fn write_notices(folders: &Folders) -> io::Result<()> {
 
 /// The archives of the crates, after a trial of them.
 fn package_crates(folders: &Folders) -> io::Result<()> {
-    if !package::run(&folders.root, true) {
+    if !package::run(&folders.root, package::Trial::Tests) {
         return Err(io::Error::other("the archives of the crates do not work"));
     }
     for archive in package::archives(&folders.root)? {
