@@ -13,8 +13,11 @@ const EVERYWHERE: [&str; 3] = ["README.md", "LICENSE-MIT", "LICENSE-APACHE"];
 /// Largest size of an archive that the Cargo registry accepts (bytes).
 const LARGEST: u64 = 10 * 1024 * 1024;
 
-/// How sources name files that are compiled in.
-const EMBEDS: [&str; 3] = ["include_str!(", "include_bytes!(", "#[folder = "];
+/// How sources name files that are compiled in, and folders.
+const EMBEDS: [&str; 4] = ["include_str!(", "include_bytes!(", "#[path = ", FOLDER];
+
+/// How sources name a folder that is compiled in.
+const FOLDER: &str = "#[folder = ";
 
 /// Everything that is missing in the archives.
 pub(super) fn check(root: &Path, unpacked: &Unpacked) -> io::Result<Vec<Finding>> {
@@ -70,7 +73,7 @@ fn embedded(code: &str) -> Vec<(usize, Embedded)> {
             if is_comment {
                 continue;
             }
-            let embedded = match (mark.starts_with('#'), rest.starts_with("concat!(")) {
+            let embedded = match (mark == FOLDER, rest.starts_with("concat!(")) {
                 (true, _) => Embedded::FolderOfCrate(path.to_owned()),
                 (false, true) => Embedded::FolderOfSource(path.to_owned()),
                 (false, false) => Embedded::File(path.to_owned()),
@@ -138,6 +141,8 @@ static C: &[u8] = include_bytes!(
 struct Guide;
 #[folder = \"page\"]
 #[cfg(test)]
+#[path = \"../tests/common.rs\"]
+mod common;
 mod tests { const D: &str = include_str!(\"d.toml\"); }
 ";
         let mut found = embedded(text);
@@ -148,7 +153,8 @@ mod tests { const D: &str = include_str!(\"d.toml\"); }
             (4, Embedded::File("../c.ttf".to_owned())),
             (7, Embedded::File("guide.md".to_owned())),
             (10, Embedded::FolderOfCrate("page".to_owned())),
-            (12, Embedded::File("d.toml".to_owned())),
+            (12, Embedded::File("../tests/common.rs".to_owned())),
+            (14, Embedded::File("d.toml".to_owned())),
         ];
         assert_eq!(found, expect);
     }
