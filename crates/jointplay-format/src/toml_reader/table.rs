@@ -78,7 +78,7 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
     }
 
     /// Whether the file names another kind, which is reported; the keys of such a file are not checked.
-    pub fn has_other_kind(&self, kind: &'static str) -> bool {
+    pub(crate) fn has_other_kind(&self, kind: &'static str) -> bool {
         let Some(entry) = self.needed("kind") else { return false };
         entry.word(self.reader, "kind", &[(kind, ())]).is_none() && entry.is_text()
     }
