@@ -64,7 +64,7 @@ if (word) {
   run('npm', ['run', '--silent', 'e2e'], { env: { ...process.env, JOINTPLAY_COMMAND: resolve(word), CHROMIUM: browser } });
   log(`tested in the browser in ${seconds()}`);
 } else {
-  const scripts = [['build', '--', '--outDir', resolve(HOME, 'built')], ['playground', '--', '--outDir', resolve(HOME, 'playground')], ['check'], ['test']];
+  const scripts = [['build', '--', '--outDir', resolve(HOME, 'built')], ['playground', '--', '--outDir', resolve(HOME, 'playground')], ['check'], ['workflows'], ['test']];
   for (const script of scripts) {
     log(script[0]);
     run('npm', ['run', '--silent', ...script]);

@@ -11,7 +11,7 @@ It prints one line for each engine, with the SHA-256 of the gathered table and t
 `ray`        tasks of Ray: package ray
 `processors` the command on processors without AVX and with AVX2, emulated by qemu-x86_64, and on aarch64
              by qemu-aarch64 if `JOINTPLAY_AARCH64` names a command for it
-`kubernetes` the manifest of the documentation by its schema: package kubernetes-validate
+`kubernetes` the manifest of the documentation by its schema, and the arguments of its container: package kubernetes-validate
 
 `chain`, `s3` and `ray` need the Python package jointplay, of the same version as the command.
 """
@@ -330,8 +330,8 @@ def processors(command: Path, folder: Path) -> bool:
     return agree
 
 
-def kubernetes() -> None:
-    """Checks the manifest of the documentation, and refuses one with a misspelled key."""
+def kubernetes(command: Path, study: Path, folder: Path) -> None:
+    """Checks the manifest of the documentation, refuses one with a misspelled key, and runs its arguments as a task."""
     import kubernetes_validate
     import yaml
 
@@ -339,6 +339,15 @@ def kubernetes() -> None:
     (text,) = re.findall(r"^```yaml\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
     manifest = yaml.safe_load(text)
     version = kubernetes_validate.validate(manifest, "1.33", strict=True)
+    (container,) = manifest["spec"]["template"]["spec"]["containers"]
+    places = {"/study/workspace.toml": str(study), "/shared/run": str(folder / "kubernetes"), "$(JOB_COMPLETION_INDEX)": "63"}
+    # The image has no shell: Kubernetes itself replaces the variable.
+    words = container["args"]
+    for place, here in places.items():
+        words = [word.replace(place, here) for word in words]
+    run(command, *words)
+    if not list((folder / "kubernetes").glob("part-000063.*")):
+        sys.exit(f"the arguments of the manifest compute no part: {words}")
     manifest["spec"]["completionmode"] = manifest["spec"].pop("completionMode")
     try:
         kubernetes_validate.validate(manifest, "1.33", strict=True)
@@ -373,7 +382,7 @@ def main() -> None:
             print(f"{engine.__name__:12} {found} {time.monotonic() - start:6.1f} s", flush=True)
             agree &= found == expected
         if "kubernetes" in wanted:
-            kubernetes()
+            kubernetes(command, study, folder)
         if "processors" in wanted:
             agree &= processors(command, folder)
     finally:

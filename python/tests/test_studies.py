@@ -220,6 +220,19 @@ def test_command_and_package_share_a_folder(tmp_path):
     assert parts.missing() == [] and gathered(parts, tmp_path) == whole(SMALL)[:2]
 
 
+def test_a_table_that_cannot_be_written_is_refused_by_its_own_name(tmp_path):
+    parts = jp.study.Plan.from_toml(SMALL).parts(tmp_path / "run", format="csv")
+    for part in parts.missing():
+        parts.write(part)
+    (tmp_path / "table.csv").mkdir()
+    for path in (tmp_path / "none" / "table.csv", tmp_path / "table.csv", tmp_path / "run" / "study.json" / "table.csv"):
+        with pytest.raises(OSError) as error:
+            parts.gather(path)
+        assert error.value.filename == str(path)
+        assert "partial" not in str(error.value)
+    assert {entry.name for entry in tmp_path.iterdir()} == {"run", "table.csv"}
+
+
 def test_invalid_folders_are_refused(tmp_path):
     plan = jp.study.Plan.from_toml(SMALL)
     with pytest.raises(jp.UnknownNameError, match="parquet"):

@@ -3,7 +3,8 @@
 
     python3 validation/golden/controller_reference.py
 
-needs nothing but Python 3.11 or later, takes no arguments, and writes next to itself
+needs nothing but Python 3.11 or later, takes no arguments, and writes into
+crates/jointplay-interop/golden, so that the archive of the crate has them,
 
     controller-formats.csv     kind of the value, format, value, text
     controller-checksums.csv   checksum, bytes in hexadecimal, value
@@ -22,7 +23,7 @@ import operator
 import pathlib
 import zlib
 
-HERE = pathlib.Path(__file__).parent
+FOLDER = pathlib.Path(__file__).parents[2] / "crates/jointplay-interop/golden"
 
 ALIGNS = ["", "<", ">", "^", "=", "*<", "0>", "_^", "x="]
 SIGNS = ["", "+", "-", " "]
@@ -78,7 +79,7 @@ TEXTS = ["", "123456789", "N3 T0", "GPGGA,123519,4807.038,N", "1GET,P1,S03,A\r\n
 
 
 def write(name, header, rows):
-    with open(HERE / name, "w", newline="") as file:
+    with open(FOLDER / name, "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(rows)

@@ -10,6 +10,10 @@
 //! | [`gallery`] | the page of all mechanisms of the catalogue, with their pictures |
 //! | [`elastic`] | a rigid platform on bending rods |
 
+#[doc = include_str!("../../docs/how-to/rust.md")]
+#[cfg(doctest)]
+struct GuideCompiles;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 

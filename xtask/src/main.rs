@@ -75,7 +75,7 @@ usage: cargo xtask CHORE
   page     the studio's page: built, and tested in a browser
   book     the documentation as a book, with every link checked
   interface the public interface of the libraries, compared with the recorded one; with --update, recorded
-  package  the archives of the published crates; with --build, compiled and run from the archives alone";
+  package  the archives of the published crates; with --build, compiled and run from the archives alone; with --test, also tested";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -102,8 +102,9 @@ fn main() -> ExitCode {
         ["book"] => book::run(&root),
         ["interface"] => interface::run(&root, false),
         ["interface", "--update"] => interface::run(&root, true),
-        ["package"] => package::run(&root, false),
-        ["package", "--build"] => package::run(&root, true),
+        ["package"] => package::run(&root, package::Trial::Contents),
+        ["package", "--build"] => package::run(&root, package::Trial::Command),
+        ["package", "--test"] => package::run(&root, package::Trial::Tests),
         // Asked by mdbook alone.
         ["chapters"] => book::chapters(),
         ["chapters", "supports", renderer] => renderer == "html",

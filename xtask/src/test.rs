@@ -81,7 +81,7 @@ pub(crate) fn run(root: &Path) -> bool {
             run_cargo(step, root)
         }
         "xtask interface" => interface::run(root, false),
-        "xtask package" => package::run(root, false),
+        "xtask package" => package::run(root, package::Trial::Contents),
         "xtask book" => {
             for chore in ["studio", "python"] {
                 if !ahead.wait(chore) {

@@ -121,6 +121,13 @@ fn refuse(from: &str, to: &str, message: &str) {
 }
 
 #[test]
+fn a_file_of_another_kind_is_refused_for_its_kind_alone() {
+    let mechanism = "kind = \"mechanism\"\nname = \"press\"\nbase = \"frame\"\n";
+    let messages: Vec<String> = problems(mechanism).iter().map(ToString::to_string).collect();
+    assert_eq!(messages, ["kind \"mechanism\" is not known; known: cell"]);
+}
+
+#[test]
 fn errors_name_their_place_and_the_allowed_values() {
     refuse(
         "kind = \"cell\"",

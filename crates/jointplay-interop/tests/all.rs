@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
+mod asmt;
 mod dialect;
 mod export;
 mod fmu;
@@ -15,8 +16,13 @@ mod mechanism_export;
 mod message_words;
 mod messages;
 mod modelica_text;
+mod models;
 mod parts;
 mod peaks;
 mod planned;
 mod sample_columns;
+#[path = "../src/import/testing.rs"]
+mod testing;
 mod timeline;
+
+use jointplay_interop::import::{Imported, parse_with_unit};

@@ -15,10 +15,6 @@
 //! | [`interop`] | models and motions in the formats of other programs |
 //! | [`plot`] | figures as SVG, PNG and PDF |
 
-#[doc = include_str!("../../../docs/how-to/rust.md")]
-#[cfg(doctest)]
-struct GuideCompiles;
-
 #[doc = include_str!("../README.md")]
 #[cfg(doctest)]
 struct ReadmeCompiles;

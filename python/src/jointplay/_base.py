@@ -8,7 +8,7 @@ import os
 import re
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -255,8 +255,12 @@ def writing(path: Path) -> Iterator[BinaryIO]:
             file.flush()
             os.fsync(file.fileno())
         os.replace(partial, path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
+    except BaseException as error:
+        # The name of the temporary file means nothing to the caller.
+        if isinstance(error, OSError) and error.filename is not None and str(error.filename) == str(partial):
+            error.filename, error.filename2 = str(path), None
+        with suppress(OSError):
+            partial.unlink()
         raise
 
 

@@ -22,9 +22,7 @@ const BAR: [&str; 2] = [
 /// # Errors
 /// If a page cannot be read or written, or does not have the expected template.
 pub(super) fn change(book: &Path) -> io::Result<()> {
-    let absent = book.join("404.html");
-    let absent = (absent.clone(), fs::read_to_string(absent)?);
-    for (path, page) in pages(book)?.into_iter().chain([absent]) {
+    for (path, page) in pages(book)? {
         // The table of contents for browsers without scripts is a page in a frame.
         if path.ends_with("toc.html") {
             continue;

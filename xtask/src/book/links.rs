@@ -47,8 +47,12 @@ pub(super) fn dead(book: &Path) -> io::Result<Vec<String>> {
                 }
                 None => !there.exists(),
             };
-            if is_missing {
-                let page = path.strip_prefix(book).unwrap_or(path).display();
+            let page = path.strip_prefix(book).unwrap_or(path).display();
+            if target.starts_with('/') {
+                dead.push(format!(
+                    "{page}: {target} is outside of the book where that is in a folder of its host"
+                ));
+            } else if is_missing {
                 dead.push(format!("{page}: {target} does not exist"));
             }
         }
@@ -66,11 +70,8 @@ pub(super) fn pages(book: &Path) -> io::Result<Vec<(PathBuf, String)>> {
             if path.is_dir() && ![FILES, RUST].iter().any(|name| path.ends_with(name)) {
                 folders.push(path);
             } else if path.extension().is_some_and(|end| end == "html") {
-                // Shown in place of a page that is missing, wherever that would be.
-                if !path.ends_with("404.html") {
-                    let text = fs::read_to_string(&path)?;
-                    found.push((path, text));
-                }
+                let text = fs::read_to_string(&path)?;
+                found.push((path, text));
             }
         }
     }
@@ -108,9 +109,12 @@ mod tests {
             "<h2 id=\"c\"></h2><a href=\"#c\"><a href=\"../files/x/y.toml#z\">",
         )
         .unwrap();
+        // A page of mdBook for missing pages, which works at the top of a host only.
+        fs::write(book.join("404.html"), "<base href=\"/\"><img src=\"/e.svg\">").unwrap();
         let (found, files) = (dead(&book).unwrap(), files(&book).unwrap());
         fs::remove_dir_all(&book).unwrap();
         assert_eq!(files, ["x/y.toml"]);
-        assert_eq!(found.len(), 3, "{found:?}");
+        let outside = found.iter().filter(|line| line.starts_with("404.html: /")).count();
+        assert_eq!((found.len(), outside), (5, 2), "{found:?}");
     }
 }

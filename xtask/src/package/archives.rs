@@ -54,7 +54,8 @@ pub(super) fn unpack(root: &Path) -> io::Result<Unpacked> {
     }
     let packages: Vec<_> = packages(root, true)?.into_iter().zip(archives).collect();
     let unpacked = Unpacked { folder, packages };
-    fs::write(unpacked.folder.join("Cargo.toml"), manifest(&unpacked))?;
+    let profile = dev_profile(&fs::read_to_string(root.join("Cargo.toml"))?)?;
+    fs::write(unpacked.folder.join("Cargo.toml"), manifest(&unpacked) + &profile)?;
     // The same versions of libraries as in the repository; cargo drops those that are not needed.
     fs::copy(root.join("Cargo.lock"), unpacked.folder.join("Cargo.lock"))?;
     Ok(unpacked)
@@ -71,6 +72,16 @@ fn manifest(unpacked: &Unpacked) -> String {
     text
 }
 
+/// The profile of development and tests in a manifest, alone: without its levels of optimisation, tests take many times as long.
+fn dev_profile(manifest: &str) -> io::Result<String> {
+    let manifest: toml::Table = manifest.parse().map_err(io::Error::other)?;
+    let dev = manifest.get("profile").and_then(|profiles| profiles.get("dev"));
+    let dev = dev.ok_or_else(|| io::Error::other("Cargo.toml has no [profile.dev]"))?;
+    let table = |key: &str, value| toml::Table::from_iter([(key.to_owned(), value)]);
+    let alone = table("profile", toml::Value::Table(table("dev", dev.clone())));
+    toml::to_string(&alone).map(|text| format!("\n{text}")).map_err(io::Error::other)
+}
+
 /// Names of the workspace's packages that are published, or of those that are not.
 fn packages(root: &Path, published: bool) -> io::Result<Vec<String>> {
     let metadata = cargo_metadata::MetadataCommand::new()
@@ -81,4 +92,19 @@ fn packages(root: &Path, published: bool) -> io::Result<Vec<String>> {
     let is_published = |package: &cargo_metadata::Package| package.publish.is_none();
     let chosen = metadata.packages.iter().filter(|package| is_published(package) == published);
     Ok(chosen.map(|package| package.name.to_string()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tests_of_archives_are_optimised_as_those_of_the_repository() {
+        let manifest = "[package]\nname = \"a\"\n\n[profile.dev]\ndebug = 0\n\n[profile.dev.package]\n\"*\" = { debug = false }\nb = { opt-level = 2 }\n\n[profile.release]\nlto = \"off\"\n";
+        let alone: toml::Table = dev_profile(manifest).unwrap().parse().unwrap();
+        let dev = alone["profile"]["dev"].as_table().unwrap();
+        assert_eq!(dev["package"]["b"]["opt-level"].as_integer(), Some(2));
+        assert_eq!((alone.len(), alone["profile"].as_table().unwrap().len()), (1, 1));
+        assert!(dev_profile("[package]\n").is_err());
+    }
 }

@@ -13,8 +13,11 @@ const EVERYWHERE: [&str; 3] = ["README.md", "LICENSE-MIT", "LICENSE-APACHE"];
 /// Largest size of an archive that the Cargo registry accepts (bytes).
 const LARGEST: u64 = 10 * 1024 * 1024;
 
-/// How sources name files that are compiled in.
-const EMBEDS: [&str; 3] = ["include_str!(", "include_bytes!(", "#[folder = "];
+/// How sources name files that are compiled in, and folders.
+const EMBEDS: [&str; 4] = ["include_str!(", "include_bytes!(", "#[path = ", FOLDER];
+
+/// How sources name a folder that is compiled in.
+const FOLDER: &str = "#[folder = ";
 
 /// Everything that is missing in the archives.
 pub(super) fn check(root: &Path, unpacked: &Unpacked) -> io::Result<Vec<Finding>> {
@@ -58,22 +61,19 @@ enum Embedded {
     FolderOfCrate(String),
 }
 
-/// Files that a source embeds outside its tests, with lines from 1.
-fn embedded(text: &str) -> Vec<(usize, Embedded)> {
-    // Tests are at the end of a file.
-    let code = text.find("#[cfg(test)]").map_or(text, |end| &text[..end]);
+/// Files that a source embeds, also in its tests, with lines from 1.
+fn embedded(code: &str) -> Vec<(usize, Embedded)> {
     let mut found = Vec::new();
     for mark in EMBEDS {
         for (place, _) in code.match_indices(mark) {
             let rest = &code[place + mark.len()..];
             let Some(path) = rest.split('"').nth(1) else { continue };
             let line_start = code[..place].rfind('\n').map_or(0, |end| end + 1);
-            let next_line = rest.lines().nth(1).unwrap_or_default();
             let is_comment = code[line_start..place].trim_start().starts_with("//");
-            if is_comment || next_line.starts_with("#[cfg(doctest)]") {
+            if is_comment {
                 continue;
             }
-            let embedded = match (mark.starts_with('#'), rest.starts_with("concat!(")) {
+            let embedded = match (mark == FOLDER, rest.starts_with("concat!(")) {
                 (true, _) => Embedded::FolderOfCrate(path.to_owned()),
                 (false, true) => Embedded::FolderOfSource(path.to_owned()),
                 (false, false) => Embedded::File(path.to_owned()),
@@ -118,10 +118,7 @@ fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for entry in folder.read_dir()? {
         let path = entry?.path();
-        // Tests are in folders of this name, and are not compiled by users.
-        if !path.ends_with("tests") {
-            found.append(&mut files(&path)?);
-        }
+        found.append(&mut files(&path)?);
     }
     Ok(found)
 }
@@ -131,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn embedded_files_are_found_in_code_alone() {
+    fn embedded_files_are_found_in_code_and_tests() {
         let text = "\
 /// As `include_str!(\"no.toml\")`.
 const A: &str = include_str!(\"../a.toml\");
@@ -144,6 +141,8 @@ static C: &[u8] = include_bytes!(
 struct Guide;
 #[folder = \"page\"]
 #[cfg(test)]
+#[path = \"../tests/common.rs\"]
+mod common;
 mod tests { const D: &str = include_str!(\"d.toml\"); }
 ";
         let mut found = embedded(text);
@@ -152,7 +151,10 @@ mod tests { const D: &str = include_str!(\"d.toml\"); }
             (2, Embedded::File("../a.toml".to_owned())),
             (3, Embedded::FolderOfSource("../robots/".to_owned())),
             (4, Embedded::File("../c.ttf".to_owned())),
+            (7, Embedded::File("guide.md".to_owned())),
             (10, Embedded::FolderOfCrate("page".to_owned())),
+            (12, Embedded::File("../tests/common.rs".to_owned())),
+            (14, Embedded::File("d.toml".to_owned())),
         ];
         assert_eq!(found, expect);
     }

@@ -1,6 +1,6 @@
 //! `cargo xtask package`: the archives of the published crates, unpacked and checked.
 //!
-//! With `--build`, the unpacked archives are also compiled and run, with nothing else of the repository in reach.
+//! With `--build`, the unpacked archives are also compiled and run, with nothing else of the repository in reach; with `--test`, their tests pass too.
 
 mod archives;
 mod contents;
@@ -13,8 +13,19 @@ use crate::finding;
 pub(crate) use archives::archives;
 pub(crate) use trial::exercise;
 
-/// Packages the published crates of the workspace at `root` and checks the contents; with `build`, also compiles and runs them. True if all passed.
-pub(crate) fn run(root: &Path, build: bool) -> bool {
+/// What is tried with the unpacked archives; each includes those before it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Trial {
+    /// Their contents and dependencies.
+    Contents,
+    /// The command, installed and run.
+    Command,
+    /// All tests in them: those at the end of sources, examples, and those in documentation.
+    Tests,
+}
+
+/// Packages the published crates of the workspace at `root` and tries them; true if all passed.
+pub(crate) fn run(root: &Path, trial: Trial) -> bool {
     let unpacked = match archives::unpack(root) {
         Ok(unpacked) => unpacked,
         Err(error) => {
@@ -31,5 +42,6 @@ pub(crate) fn run(root: &Path, build: bool) -> bool {
     };
     finding::report("package", findings)
         && trial::resolves(&unpacked)
-        && (!build || trial::works(&unpacked))
+        && (trial < Trial::Command || trial::works(&unpacked))
+        && (trial < Trial::Tests || trial::passes(&unpacked))
 }

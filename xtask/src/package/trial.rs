@@ -1,7 +1,8 @@
-//! Whether the unpacked archives are enough: their dependencies resolve, the command installs and serves its page, examples run.
+//! Whether the unpacked archives are enough: their dependencies resolve, the command installs and serves its page, examples run, tests pass.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -38,8 +39,23 @@ pub(super) fn works(unpacked: &Unpacked) -> bool {
     }
 }
 
+/// Whether the tests in the archives pass.
+pub(super) fn passes(unpacked: &Unpacked) -> bool {
+    let mut test = cargo();
+    test.args(["test", "--workspace", "--all-features"]).env("CARGO_TARGET_DIR", target(unpacked));
+    // Debugging information doubles time and size of the build.
+    test.env("CARGO_PROFILE_DEV_DEBUG", "0").env("CARGO_INCREMENTAL", "0");
+    let passed = succeed(test.env("PROPTEST_RNG_SEED", "1").current_dir(&unpacked.folder));
+    passed.inspect_err(|error| eprintln!("package: {error}")).is_ok()
+}
+
+/// Where cargo builds the unpacked crates.
+fn target(unpacked: &Unpacked) -> PathBuf {
+    unpacked.folder.with_file_name("archives-build")
+}
+
 fn installed(unpacked: &Unpacked) -> io::Result<()> {
-    let target = unpacked.folder.with_file_name("archives-build");
+    let target = target(unpacked);
     let prefix = unpacked.folder.join("installed");
     let mut install = cargo();
     install.args(["install", "--quiet", "--features", "parquet,mcap", "--path"]);

@@ -1,6 +1,6 @@
 //! The container image: the static command alone, for an ordinary user and a read-only root.
 //!
-//! Where no builder of images is installed, the same files are run in an empty root without one.
+//! Where no builder of images is installed, or only buildah, whose containers have a writable root, the same files are also run in an empty, read-only root.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use std::{fs, io};
 
 use super::folders::{Folders, VERSION};
+use super::health;
 use crate::{package, process};
 
 /// Programs that build images, in order of preference.
@@ -35,7 +36,7 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
             "no container image: none of {} works here; the command was run in an empty root",
             BUILDERS.join(", ")
         ))?;
-        return in_empty_root(folders);
+        return in_read_only_root(folders);
     };
     let image = format!("jointplay:{VERSION}");
     let archive = folders.out.join(format!("jointplay-{VERSION}-image.tar"));
@@ -43,7 +44,9 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
         let mut step = Command::new(builder);
         process::succeed(step.args(arguments).env("SOURCE_DATE_EPOCH", &folders.time))?;
     }
-    try_image(builder, &image, &archive)
+    let containerfile = fs::read_to_string(context.join("Containerfile"))?;
+    try_image(builder, &image, &archive, &containerfile)?;
+    if *builder == "buildah" { in_read_only_root(folders) } else { Ok(()) }
 }
 
 /// Commands of a builder that make the image and write it as an archive of Docker, whose format has the health check.
@@ -79,8 +82,8 @@ fn from_archive(archive: &Path) -> OsString {
     name
 }
 
-/// Runs the command of the image in a container: of podman and docker as its users do, of buildah from the archive.
-fn try_image(builder: &str, image: &str, archive: &Path) -> io::Result<()> {
+/// Runs the command of the image in a container, and its server until it is healthy: of podman and docker as its users do, of buildah from the archive.
+fn try_image(builder: &str, image: &str, archive: &Path, containerfile: &str) -> io::Result<()> {
     let command = |words: &[&str]| {
         let mut command = Command::new(builder);
         command.args(words);
@@ -97,11 +100,13 @@ fn try_image(builder: &str, image: &str, archive: &Path) -> io::Result<()> {
     let tried = if builder == "buildah" {
         let mut make = command(&["from", "--name", CONTAINER]);
         process::succeed(make.arg(from_archive(archive)).stdout(Stdio::null()))?;
-        let run = ["run", "--isolation", "chroot", CONTAINER, "--", "/bin/jointplay"];
-        package::exercise(|| command(&run))
+        let run = || command(&["run", "--isolation", "chroot", CONTAINER, "--", "/bin/jointplay"]);
+        package::exercise(run).and_then(|()| health::check(containerfile, run, run))
     } else {
-        let run = ["run", "--rm", "--name", CONTAINER, "--network", "host", "--read-only", image];
-        package::exercise(|| command(&run))
+        let options = ["run", "--rm", "--name", CONTAINER, "--network", "host", "--read-only"];
+        let run = || command(&[&options[..], &[image]].concat());
+        let probe = || command(&["exec", CONTAINER, "/bin/jointplay"]);
+        package::exercise(run).and_then(|()| health::check(containerfile, run, probe))
     };
     remove()?;
     tried
@@ -118,15 +123,30 @@ pub(super) fn layers(archive: &Path) -> Option<Vec<String>> {
     layers.iter().map(|layer| layer.as_str().map(str::to_owned)).collect()
 }
 
-/// Runs the command with nothing else in its root, as an ordinary user who cannot write there.
-fn in_empty_root(folders: &Folders) -> io::Result<()> {
+/// Makes a folder read-only in a mount namespace of its own, and starts a program in it as an ordinary user.
+const READ_ONLY: &str = r#"
+set -e
+mount --bind "$0" "$0"
+mount -o remount,ro,bind "$0"
+if touch "$0/written" 2>/dev/null; then echo "$0 is not read-only" >&2; exit 1; fi
+exec chroot --userspec=65532:65532 "$0" /jointplay "$@"
+"#;
+
+/// Runs the command, and its server until it is healthy, with nothing else in a read-only root.
+fn in_read_only_root(folders: &Folders) -> io::Result<()> {
     let root = folders.empty("empty-root")?;
     fs::copy(folders.program().join("bin/jointplay"), root.join("jointplay"))?;
-    package::exercise(|| {
-        let mut run = Command::new("chroot");
-        run.args(["--userspec=65532:65532"]).arg(&root).arg("/jointplay");
+    let run = || {
+        let mut run = Command::new("unshare");
+        run.args(["--mount", "sh", "-c", READ_ONLY]).arg(&root);
         run
-    })
+    };
+    package::exercise(run)?;
+    health::check(&fs::read_to_string(folders.root.join("Containerfile"))?, run, run)?;
+    println!(
+        "release: the command and its server run in a read-only root, and the health check passes"
+    );
+    Ok(())
 }
 
 #[cfg(test)]

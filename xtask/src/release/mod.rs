@@ -6,7 +6,7 @@
 //! | `licences.rs` | whether `deny.toml` allows these licences |
 //! | `program.rs` | the command for Linux, with manuals and completions, as an archive |
 //! | `debian.rs` | the Debian package |
-//! | `container.rs` | the container image, or the same files in an empty root |
+//! | `container.rs`, `health.rs` | the container image, or the same files in an empty root; its server and health check |
 //! | `source.rs` | the source with that of all libraries |
 //! | `wheels.rs` | source distribution and wheels of the Python package |
 //! | `reproduction.rs` | whether another folder gives the same bytes |
@@ -22,6 +22,7 @@ mod components;
 mod container;
 mod debian;
 mod folders;
+mod health;
 mod licences;
 mod notices;
 mod program;
@@ -124,7 +125,7 @@ fn write_notices(folders: &Folders) -> io::Result<()> {
 
 /// The archives of the crates, after a trial of them.
 fn package_crates(folders: &Folders) -> io::Result<()> {
-    if !package::run(&folders.root, true) {
+    if !package::run(&folders.root, package::Trial::Tests) {
         return Err(io::Error::other("the archives of the crates do not work"));
     }
     for archive in package::archives(&folders.root)? {

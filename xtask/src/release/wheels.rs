@@ -27,9 +27,10 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
     let tools = tools(folders)?;
     let maturin = || Command::new(tools.join("maturin"));
     let mut pack = maturin();
-    pack.args(["sdist", "--out"]).arg(&folders.out);
+    // `maturin sdist` reports an error of cargo in a folder without Cargo.toml, and then omits crates that only features need.
+    pack.args(["pep517", "write-sdist", "--sdist-directory"]).arg(&folders.out);
     pack.current_dir(folders.root.join("python")).env("SOURCE_DATE_EPOCH", &folders.time);
-    process::succeed(&mut pack)?;
+    without_errors(&mut pack)?;
     let source = unpacked(folders)?;
     let built = folders.work.join("wheel-build");
     for (platform, oldest, tag) in PLATFORMS {
@@ -51,6 +52,23 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
         check(&wheel(&folders.out, tag)?, tag, &tools)?;
     }
     Ok(())
+}
+
+/// Runs a command that may succeed although a program that it started reports an error.
+///
+/// # Errors
+/// As [`process::succeed`]; the first error that is printed.
+fn without_errors(command: &mut Command) -> io::Result<()> {
+    let output = command.output()?;
+    let printed = String::from_utf8_lossy(&output.stderr);
+    print!("{}", String::from_utf8_lossy(&output.stdout));
+    eprint!("{printed}");
+    let error = printed.lines().find(|line| line.starts_with("error"));
+    if output.status.success() && error.is_none() {
+        return Ok(());
+    }
+    let what = error.map_or_else(|| output.status.to_string(), str::to_owned);
+    Err(io::Error::other(format!("{}: {what}", command.get_program().display())))
 }
 
 /// The wheel for a platform in a folder.
@@ -141,4 +159,22 @@ fn check(wheel: &Path, tag: &str, tools: &Path) -> io::Result<()> {
     process::succeed(audit.arg("--strict").arg(wheel).stdout(Stdio::null()))?;
     println!("release: {}: {tag}, stable interface of Python", file_name(wheel));
     Ok(())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_that_prints_an_error_fails_although_it_succeeds() {
+        let run = |script: &str| {
+            let done = without_errors(Command::new("sh").args(["-c", script]));
+            done.map_err(|error| error.to_string())
+        };
+        assert_eq!(run("echo packed; echo Found bindings >&2"), Ok(()));
+        let error = "error: manifest path `Cargo.toml` does not exist";
+        let found = run(&format!("echo Found bindings >&2; echo '{error}' >&2"));
+        assert_eq!(found, Err(format!("sh: {error}")));
+        assert!(run("exit 3").unwrap_err().starts_with("sh: exit"));
+    }
 }

@@ -180,6 +180,7 @@ fn parts_that_changed_are_refused_and_computed_again() {
     let (table, record) = ("run/part-000001.csv", "run/part-000001.json");
     let (whole, first) = (sandbox.read(table), sandbox.read(record));
     let gather = "study --parts run --gather t.csv";
+    let version = format!("\"jointplay\": \"{}\"", env!("CARGO_PKG_VERSION"));
     let changed: Vec<(&str, String, String)> = vec![
         (table, whole[..whole.len() - 1].to_owned(), "is not the table that was written".into()),
         (table, whole.replacen('1', "2", 1), "is not the table that was written".into()),
@@ -187,6 +188,8 @@ fn parts_that_changed_are_refused_and_computed_again() {
         (record, first.replace("\"digest\": \"", "\"digest\": \"0"), "belongs to part 1".into()),
         (record, first[..40].to_owned(), "part-000001.json was not written by jointplay".into()),
         (record, first.replace("65536", "65535"), "totals are not those of this part".into()),
+        (record, first.replace(&version, "\"jointplay\": \"9.9.9\""), "by jointplay 9.9.9".into()),
+        (record, first.replace("000001.csv", "000001.parquet"), "names the table part-".into()),
     ];
     for (file, contents, message) in changed {
         sandbox.write(file, &contents);

@@ -111,6 +111,10 @@ fn whole<T>(
     }
     let document = reader.parse();
     let top = Table::new(&reader, "a cell", document.get_ref(), 0..0);
+    if top.entry("kind").is_some() && top.has_other_kind("cell") {
+        drop(top);
+        return reader.done(None);
+    }
     let Parameters { scope, .. } = parameters::resolve(&top, replaced, AngleUnit::Degree);
     reader.set_scope(0, scope);
     let library = library.get_or_init(|| Library::load(document.get_ref(), files));

@@ -6,7 +6,7 @@ use nalgebra::DVector;
 use toml::de::DeValue;
 
 use super::coupling::{NamedCoordinates, coupling};
-use super::header::{MAX_BYTES, has_other_kind, units};
+use super::header::{MAX_BYTES, units};
 use super::joint::{Links, joint};
 use super::problem::{Errors, Problem};
 use super::read::FALLBACK_UNITS;
@@ -52,7 +52,7 @@ const KIND: &str = "loops";
 /// ```
 pub fn with_loops(chain: &Mechanism, text: &str) -> Result<Mechanism, Errors> {
     read_document(text, MAX_BYTES, "a file of loops", |top| {
-        if !top.reader.is_clean() || has_other_kind(top, KIND) {
+        if !top.reader.is_clean() || top.has_other_kind(KIND) {
             return None;
         }
         if chain.loops() > 0 {

@@ -6,7 +6,7 @@ use jointplay_core::mechanism::{Joint, Mechanism, MechanismError};
 
 use super::attached_frame::attached_frame;
 use super::coupling::{NamedCoordinates, coupling};
-use super::header::{MAX_BYTES, has_other_kind, units};
+use super::header::{MAX_BYTES, units};
 use super::joint::{Links, joint};
 use super::names::{printable_name, prose};
 use super::problem::{Errors, Problem};
@@ -69,7 +69,7 @@ pub fn parse(text: &str) -> Result<MechanismFile, Errors> {
 /// As [`parse`], and if the file has no parameter of a name.
 pub fn parse_with(text: &str, replaced: &[(String, f64)]) -> Result<MechanismFile, Errors> {
     read_document(text, MAX_BYTES, "a mechanism", |top| {
-        if !top.reader.is_clean() || has_other_kind(top, "mechanism") {
+        if !top.reader.is_clean() || top.has_other_kind("mechanism") {
             return None;
         }
         let file = read(top, replaced);

@@ -20,7 +20,7 @@ pub const MAX_BYTES: usize = 1_000_000;
 /// All errors in the order of their places: invalid TOML, missing and unknown keys, unknown names, values out of range.
 pub fn parse(text: &str, sources: &mut Sources) -> Result<StudyFile, Errors> {
     read_document(text, MAX_BYTES, "a study", |top| {
-        if !top.reader.is_clean() || has_other_kind(top) {
+        if !top.reader.is_clean() || top.has_other_kind("study") {
             return None;
         }
         let mut files = BTreeMap::new();
@@ -33,12 +33,6 @@ pub fn parse(text: &str, sources: &mut Sources) -> Result<StudyFile, Errors> {
         top.finish();
         study.map(|study| StudyFile { files, ..study })
     })
-}
-
-/// Whether the file names another kind, which is reported; the keys of such a file are not checked.
-fn has_other_kind(top: &Table) -> bool {
-    let Some(kind) = top.needed("kind") else { return false };
-    kind.word(top.reader, "kind", &[("study", ())]).is_none() && kind.is_text()
 }
 
 fn read(top: &Table, text: &str, sources: &mut Sources) -> Option<StudyFile> {

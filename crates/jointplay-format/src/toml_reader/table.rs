@@ -77,6 +77,12 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
         entry
     }
 
+    /// Whether the file names another kind, which is reported; the keys of such a file are not checked.
+    pub(crate) fn has_other_kind(&self, kind: &'static str) -> bool {
+        let Some(entry) = self.needed("kind") else { return false };
+        entry.word(self.reader, "kind", &[(kind, ())]).is_none() && entry.is_text()
+    }
+
     /// Records that a key is missing.
     pub fn missing(&self, key: &str) {
         self.report(FileProblem::MissingKey { whose: self.whose.clone(), key: key.to_owned() });

@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn checksums_agree_with_python() {
-        let table = include_str!("../../../../validation/golden/controller-checksums.csv");
+        let table = include_str!("../../golden/controller-checksums.csv");
         let mut names = std::collections::BTreeSet::new();
         for record in csv::Reader::from_reader(table.as_bytes()).records() {
             let record = record.unwrap();

@@ -282,7 +282,7 @@ mod tests {
 
     #[test]
     fn formats_agree_with_python() {
-        let table = include_str!("../../../../validation/golden/controller-formats.csv");
+        let table = include_str!("../../golden/controller-formats.csv");
         let mut rows = 0;
         for record in csv::Reader::from_reader(table.as_bytes()).records() {
             let record = record.unwrap();

@@ -1,9 +1,8 @@
-//! Models in tests.
+//! Models in tests, also in those of the folder `tests`.
 
 use jointplay_format::mechanism::LengthUnit;
 
-use super::model::Imported;
-use super::read::parse_with_unit;
+use super::{Imported, parse_with_unit};
 
 #[track_caller]
 pub(super) fn read(text: &str) -> Imported {

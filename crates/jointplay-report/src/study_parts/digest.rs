@@ -3,12 +3,18 @@
 use std::fmt::Write as _;
 
 use jointplay_format::study::StudyFile;
+use serde_json::Value;
 
 use crate::instructions::instructions;
 use crate::sha256::sha256;
 
 /// Version of this program.
 pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The version that wrote a file of a folder of parts, if it is not this one; its keys may be others.
+pub(super) fn other_version(file: &Value) -> Option<&str> {
+    file["jointplay"].as_str().filter(|found| *found != VERSION)
+}
 
 /// SHA-256, in hexadecimal, of everything that decides the numbers of a study, with the version of the program and the rows of a part.
 ///

@@ -26,6 +26,18 @@ pub enum PartsError {
         /// This version.
         here: &'static str,
     },
+    /// A part that another version computed, whose numbers may differ in their last digits.
+    #[error(
+        "{file} was written by jointplay {found}, and this is {here}: numbers may differ in their last digits; delete it, and the part is computed again"
+    )]
+    VersionOfPart {
+        /// Name of the record.
+        file: String,
+        /// Version in the record.
+        found: String,
+        /// This version.
+        here: &'static str,
+    },
     /// A folder of a study of a mechanism or a cell, which was begun on another kind of processor.
     #[error(
         "this study was begun with the instruction set {found}, and this processor has {here}: numbers may differ in their last digits; compute all parts on one kind of processor"

@@ -52,7 +52,7 @@ impl Gathering {
     /// * `record` – contents of the record
     ///
     /// # Errors
-    /// [`PartsError::Malformed`].
+    /// [`PartsError::Malformed`], [`PartsError::VersionOfPart`].
     pub fn table_length(&self, record: &str) -> Result<u64, PartsError> {
         Record::parse(&self.next().record, record).map(|record| record.bytes)
     }
@@ -67,6 +67,10 @@ impl Gathering {
     pub fn add(&mut self, record: &str, table: &[u8]) -> Result<Vec<u8>, PartsError> {
         let names = self.next();
         let record = self.totals.add_record(record)?;
+        if record.table != names.table {
+            let why = format!("it names the table {}, not {}", record.table, names.table);
+            return Err(PartsError::malformed(&names.record, why));
+        }
         let (found, found_sha256) = (table.len() as u64, sha256(table));
         if (found, &found_sha256) != (record.bytes, &record.sha256) {
             return Err(PartsError::Changed {

@@ -3,7 +3,7 @@
 use jointplay_format::study::{StudyFile, from_files, parse};
 use serde::{Deserialize, Serialize};
 
-use super::digest::{VERSION, digest};
+use super::digest::{VERSION, digest, other_version};
 use super::error::PartsError;
 use crate::instructions::instructions;
 use crate::study_files::StudyFiles;
@@ -70,9 +70,7 @@ impl Manifest {
         let malformed = |why: &str| PartsError::malformed(MANIFEST, why);
         let value: serde_json::Value =
             serde_json::from_str(text).map_err(|error| PartsError::json(MANIFEST, &error))?;
-        if let Some(found) = value["jointplay"].as_str()
-            && found != VERSION
-        {
+        if let Some(found) = other_version(&value) {
             return Err(PartsError::Version { found: found.to_owned(), here: VERSION });
         }
         let document: Document =

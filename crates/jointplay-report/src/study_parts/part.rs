@@ -4,7 +4,7 @@ use jointplay_format::study::StudyFile;
 use jointplay_study::plan::{Block, Totals};
 use serde::{Deserialize, Serialize};
 
-use super::digest::{VERSION, digest};
+use super::digest::{VERSION, digest, other_version};
 use super::error::PartsError;
 use super::names::PartNames;
 use crate::sha256::sha256;
@@ -71,7 +71,8 @@ pub(super) struct Record {
     /// Of the study.
     pub(super) digest: String,
     pub(super) part: u64,
-    table: String,
+    /// Name of the table.
+    pub(super) table: String,
     /// Length of the table (bytes).
     pub(super) bytes: u64,
     /// Of the table.
@@ -80,7 +81,17 @@ pub(super) struct Record {
 }
 
 impl Record {
+    /// Reads a record.
+    ///
+    /// # Errors
+    /// [`PartsError::Malformed`], [`PartsError::VersionOfPart`].
     pub(super) fn parse(file: &str, text: &str) -> Result<Self, PartsError> {
-        serde_json::from_str(text).map_err(|error| PartsError::json(file, &error))
+        let invalid = |error| PartsError::json(file, &error);
+        let value = serde_json::from_str(text).map_err(invalid)?;
+        if let Some(found) = other_version(&value) {
+            let (file, found) = (file.to_owned(), found.to_owned());
+            return Err(PartsError::VersionOfPart { file, found, here: VERSION });
+        }
+        serde_json::from_value(value).map_err(invalid)
     }
 }

@@ -43,7 +43,7 @@ impl TotalsOfParts {
     /// * `record` – contents of its record
     ///
     /// # Errors
-    /// [`PartsError::Malformed`], [`PartsError::OtherPart`].
+    /// [`PartsError::Malformed`], [`PartsError::VersionOfPart`], [`PartsError::OtherPart`].
     pub fn add(&mut self, record: &str) -> Result<(), PartsError> {
         self.add_record(record).map(|_| ())
     }

@@ -172,7 +172,7 @@ fn an_arm_of_unknown_droop_is_rigid_and_can_be_jogged() {
         { reach_mm = 400.0, empty_drop_mm = 0.1, empty_slope_mrad = 0.3, loaded_drop_mm = 0.15, loaded_slope_mrad = 0.4, load_g = 128.0 },
         { reach_mm = 750.0, empty_drop_mm = 0.3, empty_slope_mrad = 0.8, loaded_drop_mm = 0.45, loaded_slope_mrad = 1.1, load_g = 128.0 },
     ] }"#;
-    let robot = include_str!("../../../jointplay-format/robots/dual-arm.toml");
+    let robot = jointplay::format::catalogue::find("dual-arm").unwrap().text;
     let cell = jointplay::format::cell::EXAMPLE;
     assert!(robot.contains(known));
     std::fs::write(folder.path().join("arm.toml"), robot.replacen(known, table, 1)).unwrap();

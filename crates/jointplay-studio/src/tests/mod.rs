@@ -17,7 +17,7 @@ mod refusals;
 mod robot_file;
 mod studies;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use axum::Router;
 use axum::body::Body;
@@ -34,6 +34,12 @@ use crate::work::Deadlines;
 
 const PORT: u16 = 4816;
 const HOST: &str = "127.0.0.1:4816";
+
+/// A folder of the repository; `None` in an archive of the crate, which has only what is published.
+fn repository(folder: &str) -> Option<PathBuf> {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    top.join("ARCHITECTURE.md").exists().then(|| top.join(folder))
+}
 
 /// A response.
 struct Answer {
