@@ -71,7 +71,7 @@ def test_poses_of_links_are_those_of_the_table():
         assert (poses[:, 3] == [0, 0, 0, 1]).all()
     assert table["virtual_displacement_um"].max() < 60
     with pytest.raises(jp.InputError, match="did you mean `upper link 1`"):
-        PLAN.link_poses("upper link")
+        PLAN.link_poses("uper link 1")
 
 
 def test_a_station_elsewhere_changes_the_plan_and_keeps_the_text():
