@@ -30,7 +30,7 @@ pub fn write_csv(
 ) -> std::io::Result<()> {
     let mut writer = csv::Writer::from_writer(writer);
     if header {
-        writer.write_record(columns.iter().map(|column| &column.name))?;
+        writer.write_record(columns.iter().map(|column| &column.name)).map_err(of_writer)?;
     }
     let rows = columns.first().map_or(0, |column| column.values.len());
     for row in 0..rows {
@@ -38,7 +38,16 @@ pub fn write_csv(
             Values::Real(values) => format!("{:?}", values[row]),
             Values::Count(values) => values[row].to_string(),
         };
-        writer.write_record(columns.iter().map(cell))?;
+        writer.write_record(columns.iter().map(cell)).map_err(of_writer)?;
     }
     writer.flush()
+}
+
+/// The error of the writer itself: the conversion of the library hides its kind.
+fn of_writer(error: csv::Error) -> std::io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        // Records of one table have the same length, and nothing is read.
+        _ => std::io::ErrorKind::InvalidData.into(),
+    }
 }

@@ -5,7 +5,7 @@ use jointplay_core::virtualization::{Polar, SolveOptions};
 use jointplay_study::{Raster, simulate};
 
 use super::column::{Column, Values};
-use super::csv::csv;
+use super::csv::{csv, write_csv};
 use super::samples::columns;
 
 fn study() -> Vec<Column> {
@@ -66,4 +66,23 @@ fn a_parquet_table_reads_back_exactly() {
         rows += 1;
     }
     assert_eq!(rows, 777);
+}
+
+#[test]
+fn a_full_disk_is_reported_as_one() {
+    struct Full;
+    impl std::io::Write for Full {
+        fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+            Err(std::io::ErrorKind::StorageFull.into())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    // A row alone stays in the buffer; many are written before the end.
+    for rows in [1, 10_000] {
+        let column = Column { name: "a".to_owned(), values: Values::Real(vec![0.1; rows]) };
+        let error = write_csv(&[column], true, &mut Full).unwrap_err();
+        assert_eq!(error.kind(), std::io::ErrorKind::StorageFull, "{rows}: {error}");
+    }
 }
