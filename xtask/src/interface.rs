@@ -132,7 +132,17 @@ fn declarations(page: &str) -> Vec<String> {
 /// Texts between two marks, without markup.
 fn between(page: &str, start: &str, end: &str) -> Vec<String> {
     let parts = page.split(start).skip(1).filter_map(|rest| rest.split(end).next());
-    parts.map(text).collect()
+    parts.map(|part| without_content(text(part))).collect()
+}
+
+/// A declaration without the content of a constant text, such as that of an example file: who depends on it depends on its name and type.
+fn without_content(declaration: String) -> String {
+    match declaration.split_once(" = ") {
+        Some((named, _)) if named.starts_with("pub const ") && named.ends_with(": &str") => {
+            format!("{named};")
+        }
+        _ => declaration,
+    }
 }
 
 /// The text of a piece of a page on one line, without the titles of long lists, such as "Show 13 variants".
@@ -185,6 +195,16 @@ mod tests {
         let expect =
             ["pub struct A<T> { pub x: f64, }", "pub fn new() -> Self", "impl Clone for A"];
         assert_eq!(declarations(PAGE), expect);
+    }
+
+    #[test]
+    fn the_content_of_a_text_is_no_interface_but_a_number_is() {
+        let page = |item| format!("<pre class=\"rust item-decl\"><code>{item}</code></pre>");
+        let example =
+            page("pub const EXAMPLE: &amp;str = &quot;kind = \\&quot;cell\\&quot;\\n&quot;;");
+        assert_eq!(declarations(&example), ["pub const EXAMPLE: &str;"]);
+        let most = page("pub const MOST: usize = 240;");
+        assert_eq!(declarations(&most), ["pub const MOST: usize = 240;"]);
     }
 
     #[test]

@@ -123,6 +123,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
             "write the field's term (NOTATION.md), or list an exception with its reason in xtask/words.toml",
         ),
         Step::new(
+            "xtask wasm --check",
+            "run `cargo xtask wasm` and commit crates/jointplay-wasm/js; if its numbers differ, see crates/jointplay-wasm/tests/native.rs",
+        ),
+        Step::new(
             CLIPPY,
             "correct what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
         ),
@@ -131,15 +135,6 @@ fn steps(examples: &[String]) -> Vec<Step> {
             "put what only a feature needs under its `#[cfg(feature = …)]`, and correct what clippy names above",
         ),
     ];
-    let tests = Step::new(
-        "test --workspace --all-features",
-        "run the failing test alone: `cargo test -p CRATE NAME`; after a wanted change of snapshots, `INSTA_UPDATE=always cargo test` and read the difference",
-    );
-    steps.push(Step { environment: Some(SAME_CASES), ..tests });
-    for name in examples {
-        let cure = format!("correct crates/jointplay/examples/{name}.rs");
-        steps.push(Step::new(&format!("{EXAMPLE}{name}"), cure));
-    }
     let docs = Step::new(DOC, "correct the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", "-D warnings")), ..docs });
     steps.push(Step::new(
@@ -150,13 +145,18 @@ fn steps(examples: &[String]) -> Vec<Step> {
         "xtask package",
         "add what is missing to `include` in the crate's manifest, or move it into the crate's folder",
     ));
+    let tests = Step::new(
+        "test --workspace --all-features",
+        "run the failing test alone: `cargo test -p CRATE NAME`; after a wanted change of snapshots, `INSTA_UPDATE=always cargo test` and read the difference",
+    );
+    steps.push(Step { environment: Some(SAME_CASES), ..tests });
+    for name in examples {
+        let cure = format!("correct crates/jointplay/examples/{name}.rs");
+        steps.push(Step::new(&format!("{EXAMPLE}{name}"), cure));
+    }
     steps.push(Step::new(
         "xtask embedded --check",
         "use only what `core` has in the parts of jointplay-core that need no `std`, or put it under `#[cfg(feature = \"std\")]`",
-    ));
-    steps.push(Step::new(
-        "xtask wasm --check",
-        "run `cargo xtask wasm` and commit crates/jointplay-wasm/js; if its numbers differ, see crates/jointplay-wasm/tests/native.rs",
     ));
     steps.push(Step::new("xtask book", "correct the formula or link listed above"));
     steps.push(Step::new(
@@ -280,15 +280,15 @@ mod tests {
             "cargo xtask deps",
             "cargo xtask circles",
             "cargo xtask words",
+            "cargo xtask wasm --check",
             "cargo clippy --workspace --all-targets --all-features -- -D warnings",
             "cargo clippy -p jointplay-cli --lib --bins -- -D warnings",
-            "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
-            "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
             "cargo xtask interface",
             "cargo xtask package",
+            "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
+            "cargo run -p jointplay --example 01_a",
             "cargo xtask embedded --check",
-            "cargo xtask wasm --check",
             "cargo xtask book",
             "cargo xtask cell",
             "cargo xtask c",
