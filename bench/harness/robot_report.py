@@ -11,7 +11,7 @@ FAMILIES = {
 }
 WHAT = {
     "closed": [
-        "Three equations for the sides, F(X) = 0, in six unknowns; each program finds the solution of the paper's iteration X ← X + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (L² − L(X)²) from nominal, each side within 10⁻⁹ mm: by this iteration with the exact Jacobian, and jointplay by polynomials that interpolate its solutions, save for many poses from Python.",
+        "Three equations for the sides, F(X) = 0, in six unknowns; each program finds the solution of the paper's iteration X ← X + W⁻¹ Jᵀ (J W⁻¹ Jᵀ)⁻¹ (L² − L(X)²) from nominal, each side within 10⁻⁹ mm: by this iteration with the exact Jacobian, and jointplay by polynomials that interpolate its solutions.",
         "*With pose*: the pose of the platform is included.",
     ],
     "least": [

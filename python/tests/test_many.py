@@ -32,6 +32,8 @@ def test_each_row_is_what_one_pose_says(gpr, rods, virtualization):
         one = gpr.forward(rods[i], virtualization)
         assert one.virtual_joint_names == many.virtual_joint_names
         for name in SCALARS:
+            if name == "iterations" and many.iterations[i] == 0:
+                continue  # Many poses are interpolated.
             assert getattr(many, name)[i] == pytest.approx(getattr(one, name), rel=1e-12, abs=1e-13)
         for name in VECTORS:
             np.testing.assert_allclose(getattr(many, name)[i], getattr(one, name), rtol=1e-12, atol=1e-13)

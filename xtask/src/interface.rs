@@ -135,12 +135,10 @@ fn between(page: &str, start: &str, end: &str) -> Vec<String> {
     parts.map(|part| without_content(text(part))).collect()
 }
 
-/// A declaration without the content of a constant text, such as that of an example file: who depends on it depends on its name and type.
+/// A declaration without the content of a constant text of several lines, such as an example file: programs depend on its name and type.
 fn without_content(declaration: String) -> String {
-    match declaration.split_once(" = ") {
-        Some((named, _)) if named.starts_with("pub const ") && named.ends_with(": &str") => {
-            format!("{named};")
-        }
+    match declaration.split_once(": &str = ") {
+        Some((named, content)) if content.contains("\\n") => format!("{named}: &str;"),
         _ => declaration,
     }
 }
@@ -198,13 +196,14 @@ mod tests {
     }
 
     #[test]
-    fn the_content_of_a_text_is_no_interface_but_a_number_is() {
+    fn the_content_of_a_file_is_no_interface_but_a_value_is() {
         let page = |item| format!("<pre class=\"rust item-decl\"><code>{item}</code></pre>");
         let example =
             page("pub const EXAMPLE: &amp;str = &quot;kind = \\&quot;cell\\&quot;\\n&quot;;");
         assert_eq!(declarations(&example), ["pub const EXAMPLE: &str;"]);
-        let most = page("pub const MOST: usize = 240;");
-        assert_eq!(declarations(&most), ["pub const MOST: usize = 240;"]);
+        for value in ["pub const MOST: usize = 240;", "pub const KIND: &str = \"hybrid\";"] {
+            assert_eq!(declarations(&page(value)), [value]);
+        }
     }
 
     #[test]

@@ -72,7 +72,7 @@ usage: cargo xtask CHORE
   embedded the core without the standard library, on a simulated microcontroller
   wasm     the WebAssembly module, built; with --check, the one in the repository is tested
   studio   the studio's server, checked against its own description
-  page     the studio's page: built, and tested in a browser
+  page     the studio's page: built, and tested in a browser; with --build or --browse, one of both
   book     the documentation as a book, with every link checked
   interface the public interface of the libraries, compared with the recorded one; with --update, recorded
   package  the archives of the published crates; with --build, compiled and run from the archives alone; with --test, also tested";
@@ -96,6 +96,8 @@ fn main() -> ExitCode {
         ["wasm", "--check"] => wasm::check(&root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
+        ["page", "--build"] => page::build(&root),
+        ["page", "--browse"] => page::browse(&root),
         ["release", "--dry-run", ref steps @ ..] => release::dry_run(steps, &root),
         ["release", "--reproduce", ref steps @ ..] => release::reproduce(steps, &root),
         ["release", "--try"] => release::try_out(&root),

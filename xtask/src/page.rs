@@ -21,16 +21,25 @@ const PARTS: [[&str; 3]; 2] = [
 
 /// Builds and tests the page at `root`; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
-    let Some(node) = find() else { return false };
-    let test = |command: Option<PathBuf>| {
-        let mut test = Command::new(node);
-        test.arg("studio/test.mjs").args(command).current_dir(root);
-        test.status().is_ok_and(|status| status.success())
-    };
+    build(root) && browse(root)
+}
+
+/// Whether the page is built from the present sources, and passes the tests without a browser.
+pub(crate) fn build(root: &Path) -> bool {
+    test(None, root) && PARTS.iter().all(|part| is_current(part, root))
+}
+
+/// Whether the page passes the tests in a browser, and so does the book.
+pub(crate) fn browse(root: &Path) -> bool {
     // Debug builds of the command read the page from its folder: a new page needs no new command.
-    test(None)
-        && PARTS.iter().all(|part| is_current(part, root))
-        && command::built(root).is_some_and(|command| test(Some(command)))
+    command::built(root).is_some_and(|command| test(Some(command), root))
+}
+
+fn test(command: Option<PathBuf>, root: &Path) -> bool {
+    let Some(node) = find() else { return false };
+    let mut test = Command::new(node);
+    test.arg("studio/test.mjs").args(command).current_dir(root);
+    test.status().is_ok_and(|status| status.success())
 }
 
 /// Whether a built folder of the repository is what its sources give, byte for byte; prints what differs.

@@ -60,6 +60,10 @@ const DEFAULT_FEATURES: &str = "clippy -p jointplay-cli --lib --bins -- -D warni
 /// The documentation of all crates, in which a broken link is an error.
 const DOC: &str = "doc --workspace --all-features --no-deps";
 
+/// The two halves of the tests of the page, of which the first needs no book.
+const PAGE_BUILD: &str = "page --build";
+const PAGE_BROWSE: &str = "page --browse";
+
 /// Runs all steps in the workspace at `root`; true if each passed.
 pub(crate) fn run(root: &Path) -> bool {
     let examples = match examples(root) {
@@ -83,17 +87,20 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask interface" => interface::run(root, false),
         "xtask package" => package::run(root, package::Trial::Contents),
         "xtask book" => {
-            for chore in ["studio", "python"] {
-                if !ahead.wait(chore) {
+            for (fetched, chore) in
+                [("page", PAGE_BUILD), ("studio", "studio"), ("python", "python")]
+            {
+                if !ahead.wait(fetched) {
                     return false;
                 }
                 concurrent.start(chore, root);
             }
-            if !book::run(root) || !ahead.wait("page") {
+            let done = book::run(root);
+            if !concurrent.finish(PAGE_BUILD).unwrap_or_else(|| page::build(root)) || !done {
                 return false;
             }
             // Its tests open the book.
-            concurrent.start("page", root);
+            concurrent.start(PAGE_BROWSE, root);
             true
         }
         "xtask embedded --check" => embedded::check(root),
@@ -101,7 +108,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask c" => ahead.wait("c") && c_library::run(root),
         "xtask studio" => concurrent.finish("studio").unwrap_or_else(|| studio::run(root)),
-        "xtask page" => concurrent.finish("page").unwrap_or_else(|| page::run(root)),
+        "xtask page" => concurrent.finish(PAGE_BROWSE).unwrap_or_else(|| page::browse(root)),
         "xtask python" => concurrent.finish("python").unwrap_or_else(|| python::run(root)),
         line if line.starts_with(EXAMPLE) => run_example(&line[EXAMPLE.len()..], root),
         _ => run_cargo(step, root),

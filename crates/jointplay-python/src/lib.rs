@@ -30,6 +30,7 @@ mod own_virtualization;
 mod picture;
 mod pose;
 mod posed;
+mod prepared;
 mod quantities;
 mod skin;
 mod study_gathering;

@@ -24,7 +24,7 @@ impl PyGpr {
     ///
     /// Its poses are those of the geometry, whether or not the robot can take them; `broken_limits` reports the limits that they break.
     fn without_limit_checks(&self) -> Self {
-        Self { name: self.name.clone(), gpr: self.gpr.without_limit_checks() }
+        Self::with_gpr(self.name.clone(), self.gpr.without_limit_checks())
     }
 
     /// Radial clearance of the balls in their sockets (m); None where it is not known.

@@ -1,6 +1,6 @@
 //! Many poses at a time.
 
-use jointplay::bulk::{Column, Quantity, Status, StatusCounts, parts};
+use jointplay::bulk::{Column, PoseSolver, Quantity, Status, StatusCounts, parts};
 use jointplay::gpr::Gpr;
 use jointplay::study::parallel::{self, PoseColumns};
 use jointplay::virtualization::SolveOptions;
@@ -116,10 +116,10 @@ impl<'py> Wanted<'_, 'py> {
     }
 }
 
-/// Where the platform is for each of many rods.
+/// Where the platform is for each of many rods: by the solver of the robot, or by an own virtualization.
 pub(crate) fn forward<'py>(
     py: Python<'py>,
-    gpr: &Gpr,
+    (gpr, solver): (&Gpr, Option<&PoseSolver>),
     rods: &Triples<'py>,
     model: &Model,
     options: &SolveOptions,
@@ -137,16 +137,15 @@ pub(crate) fn forward<'py>(
     let (quantities, written): (Vec<Quantity>, Vec<&mut [f64]>) = slices.into_iter().unzip();
     let tally = in_parts(py, columns, &mut status, written, |columns, status, written| {
         let mut wanted: Vec<_> = quantities.iter().copied().zip(written).collect();
-        match (model, &threads) {
+        match (solver, &threads) {
             // Python's own code runs in one thread at a time anyhow.
-            (Model::Own(own), _) => gpr.forward_many(columns, &**own, options, status, &mut wanted),
-            (_, Threads::Here) => {
+            (None, _) => {
                 gpr.forward_many(columns, model.virtualization(), options, status, &mut wanted)
             }
-            (_, Threads::Pool(pool)) => pool.install(|| {
-                let virtualization = model.virtualization();
-                parallel::forward_many(gpr, columns, virtualization, options, status, &mut wanted)
-            }),
+            (Some(solver), Threads::Here) => solver.forward_many(columns, status, &mut wanted),
+            (Some(solver), Threads::Pool(pool)) => {
+                pool.install(|| parallel::poses_many(solver, columns, status, &mut wanted))
+            }
         }
     });
     if let Some(raised) = model.raised() {

@@ -82,7 +82,7 @@ class ForwardMany(Many):
         residual_m: Floats
         """Largest difference between a side and its virtual length, shape (...) [m]."""
         iterations: Floats
-        """Number of iterations of the solver, 0 for a closed form, shape (...)."""
+        """Number of iterations of the solver, 0 for a closed form and for interpolated poses, shape (...)."""
 
     def __init__(
         self,

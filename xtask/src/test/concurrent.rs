@@ -11,11 +11,11 @@ use super::logged::Logged;
 pub(super) struct Concurrent(Vec<(&'static str, Logged)>);
 
 impl Concurrent {
-    /// Starts a chore of this program; in its turn, [`Self::finish`] waits for it.
+    /// Starts a chore of this program, given by its words; in its turn, [`Self::finish`] waits for it.
     pub(super) fn start(&mut self, chore: &'static str, root: &Path) {
         let Ok(this) = env::current_exe() else { return };
         let mut command = Command::new(this);
-        command.arg(chore).current_dir(root);
+        command.args(chore.split(' ')).current_dir(root);
         let folder = root.join("target").join("concurrent");
         self.0.extend(Logged::start(chore, command, &folder).ok().map(|started| (chore, started)));
     }
