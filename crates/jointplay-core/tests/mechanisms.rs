@@ -5,10 +5,10 @@ use crate::robot;
 use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
-    Carrier, CommandedJoints, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
-    MobilityClass, PositionSolver, ReliefSolver, ScrewAxis, Stop, StressScrew, SuggestOptions,
-    VirtualJoint, VirtualMotion, assemble, branches, close, drive, exaggerate_play, guess,
-    link_motion, relieve, self_stresses, suggest,
+    Carrier, CommandedJoints, DifferentialKinematics, Drive, Joint, JointKind, Kinematics,
+    Mechanism, MechanismSystem, MobilityClass, PositionSolver, ReliefSolver, ScrewAxis, Stop,
+    StressScrew, SuggestOptions, VirtualJoint, VirtualMotion, assemble, branches, close, drive,
+    exaggerate_play, guess, link_motion, nearest_closure, relieve, self_stresses, suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
@@ -471,6 +471,28 @@ fn links_that_do_not_fit_are_distinguished_from_a_bad_guess() {
     };
     assert!(found.branches.is_empty() && found.best.residual > 0.1);
     assert_eq!(found.loops.len(), 1);
+}
+
+#[test]
+fn indices_of_no_coordinate_are_refused() {
+    let mechanism = Mechanism::new("triangle", names(3), triangle(1.0)).unwrap();
+    let start = guess(&mechanism);
+    let closed = assemble(&mechanism, &start, &[], 8).unwrap().coordinates;
+    let system = MechanismSystem::new(&mechanism, closed).unwrap();
+    let drives = [Drive { coordinate: 0, to: 0.1 }];
+    let errors = [
+        assemble(&mechanism, &start, &[3], 8).err(),
+        branches(&mechanism, &start, &[3], 8).err(),
+        nearest_closure(&mechanism, &start, &[3], 8).err(),
+        close(&system, &[3], 8).err(),
+        drive(&system, &drives, &[1, 3], 8).err(),
+        PositionSolver::new(&system, &[3]).err(),
+        DifferentialKinematics::new(&system, &[3]).err(),
+        CommandedJoints::new(&system, &[3]).err(),
+    ];
+    for (k, error) in errors.into_iter().enumerate() {
+        assert!(matches!(error, Some(Error::NoSuchQuantity { index: 3, count: 3, .. })), "{k}");
+    }
 }
 
 #[test]

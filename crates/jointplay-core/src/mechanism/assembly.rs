@@ -59,7 +59,7 @@ pub fn guess(mechanism: &Mechanism) -> DVector<f64> {
 /// * `starts` – how many other starts to try where the guess fails
 ///
 /// # Errors
-/// [`Error::NotAssembled`] with the best closure and the branches found; [`Error::LengthMismatch`], [`Error::NotFinite`].
+/// [`Error::NotAssembled`] with the best closure and the branches found; [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NoSuchQuantity`].
 ///
 /// # Numerics
 /// Deterministic: the other starts are the same at every call.
@@ -84,7 +84,7 @@ pub(super) fn assemble_within(
     tolerance: Option<f64>,
 ) -> Result<Closure, Error> {
     let system = MechanismSystem::new(mechanism, start.clone())?;
-    let free = free(mechanism, held);
+    let free = free(mechanism, held)?;
     let best = close(&system, &free, MAX_ITERATIONS)?;
     if best.is_closed() {
         return Ok(best);
@@ -138,7 +138,7 @@ pub(super) fn assemble_within(
 /// As [`assemble`].
 ///
 /// # Errors
-/// [`Error::LengthMismatch`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NoSuchQuantity`].
 pub fn branches(
     mechanism: &Mechanism,
     start: &DVector<f64>,
@@ -146,7 +146,7 @@ pub fn branches(
     starts: usize,
 ) -> Result<Branches, Error> {
     let system = MechanismSystem::new(mechanism, start.clone())?;
-    let free = free(mechanism, held);
+    let free = free(mechanism, held)?;
     let first = close(&system, &free, MAX_ITERATIONS)?;
     let (mut found, _) = search(&system, &free, starts, first.clone())?;
     if first.is_closed() {
@@ -201,8 +201,10 @@ fn open_couplings(system: &MechanismSystem<'_>) -> Vec<OpenCoupling> {
 }
 
 /// Joint coordinates that are not held.
-fn free(mechanism: &Mechanism, held: &[usize]) -> Vec<usize> {
-    (0..mechanism.joint_freedoms()).filter(|k| !held.contains(k)).collect()
+fn free(mechanism: &Mechanism, held: &[usize]) -> Result<Vec<usize>, Error> {
+    let joints = mechanism.joint_freedoms();
+    crate::error::indices("coordinate", held, joints + mechanism.virtual_joints().len())?;
+    Ok((0..joints).filter(|k| !held.contains(k)).collect())
 }
 
 fn search(
