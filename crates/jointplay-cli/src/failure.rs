@@ -14,6 +14,7 @@ use jointplay::gpr::BrokenLimit;
 use jointplay::report;
 use jointplay::virtualization::Solver;
 use jointplay::{plot, study};
+use jointplay_files::{explain_read, explain_write};
 
 use crate::print_error::PrintError;
 
@@ -81,7 +82,7 @@ pub(crate) enum Failure {
     AzimuthStep { step: f64, source: jointplay::format::steps::Error },
     #[error("the study has {found} poses, but at most {allowed} are allowed: use larger steps")]
     TooManyPoses { found: usize, allowed: usize },
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {}", path.display(), explain_read(.source))]
     Read { path: PathBuf, source: io::Error },
     #[error("{} is too large: at most {allowed} bytes are allowed", path.display())]
     TooLarge { path: PathBuf, allowed: u64 },
@@ -199,26 +200,6 @@ fn list(broken: &[BrokenLimit]) -> String {
         .map(|limit| format!("  {}", explain_limit(limit, DisplayUnits::Metric)))
         .collect::<Vec<_>>()
         .join("\n")
-}
-
-/// Why a file cannot be written, with advice where the message of the system has none.
-fn explain_write(error: &io::Error) -> String {
-    use io::ErrorKind as Kind;
-    let explained = match error.kind() {
-        _ if error.get_ref().is_some() => None,
-        Kind::NotFound => Some("its folder does not exist"),
-        Kind::PermissionDenied => Some("no permission to write there; choose another folder"),
-        Kind::ReadOnlyFilesystem => Some("the disk is read-only; choose another folder"),
-        Kind::StorageFull | Kind::QuotaExceeded => {
-            Some("the disk is full; free some space, or choose another folder")
-        }
-        Kind::IsADirectory => Some("a folder has this name"),
-        Kind::NotADirectory | Kind::AlreadyExists => {
-            Some("a file exists at this path, or at the path of one of its folders")
-        }
-        _ => None,
-    };
-    explained.map_or_else(|| error.to_string(), str::to_owned)
 }
 
 /// The message of an error, with flags that may help.

@@ -388,6 +388,14 @@ pub(crate) fn length(what: &'static str, value: f64) -> Result<f64, Error> {
     Err(Error::TooLong { what, value, max: LARGEST_LENGTH })
 }
 
+/// Whether all indices are of things that there are.
+pub(crate) fn indices(what: &'static str, indices: &[usize], count: usize) -> Result<(), Error> {
+    match indices.iter().find(|&&index| index >= count) {
+        Some(&index) => Err(Error::NoSuchQuantity { what, index, count }),
+        None => Ok(()),
+    }
+}
+
 /// `value` if finite.
 pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, Error> {
     if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value }) }

@@ -5,10 +5,10 @@ use crate::robot;
 use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
-    Carrier, CommandedJoints, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
-    MobilityClass, PositionSolver, ReliefSolver, ScrewAxis, Stop, StressScrew, SuggestOptions,
-    VirtualJoint, VirtualMotion, assemble, branches, close, drive, exaggerate_play, guess,
-    link_motion, relieve, self_stresses, suggest,
+    Carrier, CommandedJoints, DifferentialKinematics, Drive, Joint, JointKind, Kinematics,
+    Mechanism, MechanismSystem, MobilityClass, PositionSolver, ReliefSolver, ScrewAxis, Stop,
+    StressScrew, SuggestOptions, VirtualJoint, VirtualMotion, assemble, branches, close, drive,
+    exaggerate_play, guess, link_motion, nearest_closure, relieve, self_stresses, suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
@@ -445,26 +445,23 @@ fn motions_from_several_flat_parallelograms_lead_on_along_a_branch() {
     }
 }
 
+/// A triangle of pins, which is rigid, with two sides of 1 and 1.2.
+fn triangle(third: f64) -> Vec<Joint> {
+    let place = |x: f64| frame([x, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    let joints = [(1.0, 0), (1.0, 1), (third, 2)].map(|(length, k)| Joint {
+        frames: [place(if k == 0 { 0.0 } else { length }), place(0.0)],
+        guess: vec![2.0],
+        ..joint(&format!("j{k}"), JointKind::Revolute, [k, (k + 1) % 3], [0.0; 3], [0.0, 0.0, 1.0])
+    });
+    let mut joints = joints.to_vec();
+    joints[2].frames[1] = place(1.2);
+    joints
+}
+
 #[test]
 fn links_that_do_not_fit_are_distinguished_from_a_bad_guess() {
-    // A triangle of pins is rigid; one side too long for the other two cannot close.
-    let triangle = |long: f64| {
-        let place = |x: f64| frame([x, 0.0, 0.0], [0.0, 0.0, 1.0]);
-        let joints = [(1.0, 0), (1.0, 1), (long, 2)].map(|(length, k)| Joint {
-            frames: [place(if k == 0 { 0.0 } else { length }), place(0.0)],
-            guess: vec![2.0],
-            ..joint(
-                &format!("j{k}"),
-                JointKind::Revolute,
-                [k, (k + 1) % 3],
-                [0.0; 3],
-                [0.0, 0.0, 1.0],
-            )
-        });
-        let mut joints = joints.to_vec();
-        joints[2].frames[1] = place(1.2);
-        Mechanism::new("triangle", names(3), joints).unwrap()
-    };
+    // One side too long for the other two cannot close.
+    let triangle = |third| Mechanism::new("triangle", names(3), triangle(third)).unwrap();
     let good = triangle(1.0);
     assert!(assemble(&good, &guess(&good), &[], 8).unwrap().is_closed());
     assert_eq!(branches(&good, &guess(&good), &[], 40).unwrap().closures.len(), 2);
@@ -474,6 +471,82 @@ fn links_that_do_not_fit_are_distinguished_from_a_bad_guess() {
     };
     assert!(found.branches.is_empty() && found.best.residual > 0.1);
     assert_eq!(found.loops.len(), 1);
+}
+
+#[test]
+fn indices_of_no_coordinate_are_refused() {
+    let mechanism = Mechanism::new("triangle", names(3), triangle(1.0)).unwrap();
+    let start = guess(&mechanism);
+    let closed = assemble(&mechanism, &start, &[], 8).unwrap().coordinates;
+    let system = MechanismSystem::new(&mechanism, closed).unwrap();
+    let drives = [Drive { coordinate: 0, to: 0.1 }];
+    let errors = [
+        assemble(&mechanism, &start, &[3], 8).err(),
+        branches(&mechanism, &start, &[3], 8).err(),
+        nearest_closure(&mechanism, &start, &[3], 8).err(),
+        close(&system, &[3], 8).err(),
+        drive(&system, &drives, &[1, 3], 8).err(),
+        PositionSolver::new(&system, &[3]).err(),
+        DifferentialKinematics::new(&system, &[3]).err(),
+        CommandedJoints::new(&system, &[3]).err(),
+    ];
+    for (k, error) in errors.into_iter().enumerate() {
+        assert!(matches!(error, Some(Error::NoSuchQuantity { index: 3, count: 3, .. })), "{k}");
+    }
+}
+
+#[test]
+fn configurations_that_differ_off_the_loops_only_are_one() {
+    let mut joints = triangle(1.0);
+    joints.push(joint("arm", JointKind::Cylindrical, [2, 3], [0.3, 0.1, 0.0], [0.0, 0.0, 1.0]));
+    let mechanism = Mechanism::new("triangle with an arm", names(4), joints).unwrap();
+    let found = branches(&mechanism, &guess(&mechanism), &[], 40).unwrap();
+    assert_eq!((found.closures.len(), found.is_limited), (2, false));
+    for closed in &found.closures {
+        assert_eq!(&closed.coordinates.as_slice()[3..], [0.0, 0.0], "the arm is at its guess");
+    }
+}
+
+/// The struts of a hexapod keep their lengths in every configuration, by the distances of their ends.
+#[test]
+fn hexapod_with_its_struts_held_has_other_assembly_modes() {
+    let on_circle = |radius: f64, angles: [f64; 6], middle: Vector3<f64>| {
+        angles.map(|angle| {
+            let (sine, cosine) = angle.to_radians().sin_cos();
+            middle + radius * Vector3::new(cosine, sine, 0.0)
+        })
+    };
+    let feet = on_circle(0.41, [5.0, 50.0, 131.0, 169.0, 248.0, 296.0], Vector3::zeros());
+    let middle = Vector3::new(0.01, -0.007, 0.52);
+    let heads = on_circle(0.21, [40.0, 44.0, 160.0, 165.0, 279.0, 281.0], middle);
+    let mut joints = Vec::new();
+    for (k, (foot, head)) in feet.iter().zip(&heads).enumerate() {
+        let [lower, upper] = [2 * k + 2, 2 * k + 3];
+        let strut = head - foot;
+        let across = strut.cross(&Vector3::z()).into();
+        let part = |name: &str, kind, links, point: &Vector3<f64>, axis| {
+            joint(&format!("{name} {k}"), kind, links, (*point).into(), axis)
+        };
+        joints.extend([
+            part("foot", JointKind::Universal, [0, lower], foot, across),
+            part("strut", JointKind::Prismatic, [lower, upper], foot, strut.into()),
+            part("head", JointKind::Spherical, [upper, 1], head, [0.0, 0.0, 1.0]),
+        ]);
+    }
+    let hexapod = Mechanism::new("hexapod", names(14), joints).unwrap();
+    let held: Vec<usize> = (0..6).map(|k| 6 * k + 2).collect();
+    let found = branches(&hexapod, &guess(&hexapod), &held, 40).unwrap();
+    let kinematics = Kinematics::new(&hexapod);
+    let mut others = 0;
+    for closed in &found.closures {
+        let platform = kinematics.link_poses(&closed.coordinates).unwrap()[1];
+        for (foot, head) in feet.iter().zip(&heads) {
+            let reached = platform.rotation * head + platform.translation.vector;
+            assert!(((reached - foot).norm() - (head - foot).norm()).abs() < 1e-12);
+        }
+        others += usize::from(platform.translation.vector.norm() > 0.1);
+    }
+    assert!(others >= 4, "{others} of {}", found.closures.len());
 }
 
 /// Polar virtual joints of a ball: about the platform's middle, then along the turned radius.

@@ -7,6 +7,8 @@ use std::fmt;
 use std::io::{self, Read as _};
 use std::path::{Component, Path, PathBuf};
 
+use crate::explain_read;
+
 /// Why a referenced file is not read.
 #[derive(Debug)]
 #[non_exhaustive]
@@ -46,7 +48,7 @@ impl fmt::Display for Refused {
             Self::TooLong { allowed } => {
                 write!(to, "it is larger than the limit of {allowed} bytes")
             }
-            Self::Unreadable(error) => write!(to, "{error}"),
+            Self::Unreadable(error) => to.write_str(&explain_read(error)),
         }
     }
 }

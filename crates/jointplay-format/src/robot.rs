@@ -93,7 +93,7 @@ pub enum Problem {
     #[error(transparent)]
     Common(#[from] FileProblem),
     /// An unknown kind of robot.
-    #[error("kind {found:?} is not known; known: \"gpr\"")]
+    #[error("kind {found:?} is not known; known: gpr")]
     Kind {
         /// The kind found.
         found: String,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use jointplay::cell::workcell::Cell;
 use jointplay::format::{cell, program};
 use jointplay::report::sha256;
-use jointplay_files::{NewFile, replace_both};
+use jointplay_files::{NewFile, explain_read, explain_write, replace_both};
 
 /// Name of the built-in example, accepted in place of a file path.
 pub const EXAMPLE: &str = "example";
@@ -45,13 +45,12 @@ impl CellFiles {
     /// # Errors
     /// A file that cannot be read, with the reason of the operating system.
     pub fn open(path: &Path) -> Result<Self, String> {
-        let cannot = |path: &Path, error| format!("cannot read {}: {error}", path.display());
-        let cell = read_text(path, cell::MAX_BYTES).map_err(|error| cannot(path, error))?;
+        let cell = read_text(path, cell::MAX_BYTES).map_err(|error| unreadable(path, &error))?;
         let program_path = program_path(path);
         let program = match read_text(&program_path, program::MAX_BYTES) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(cannot(&program_path, error)),
+            Err(error) => return Err(unreadable(&program_path, &error)),
         };
         Ok(Self { path: Some(path.to_owned()), cell, program })
     }
@@ -145,9 +144,14 @@ fn complete(path: &Path, text: &str) -> std::io::Result<NewFile> {
     Ok(file)
 }
 
+/// The message for a file that cannot be read.
+pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> String {
+    format!("cannot read {}: {}", path.display(), explain_read(error))
+}
+
 /// The message for a file that cannot be written.
 pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> String {
-    format!("cannot write {}: {error}", path.display())
+    format!("cannot write {}: {}", path.display(), explain_write(error))
 }
 
 /// Reason why texts were not saved.

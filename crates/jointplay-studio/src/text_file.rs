@@ -4,11 +4,11 @@ use std::path::Path;
 
 use jointplay::format::mechanism::MAX_BYTES;
 
-use crate::cell_files::{SaveError, digest, read_text, unwritable};
+use crate::cell_files::{SaveError, digest, read_text, unreadable, unwritable};
 
 /// Reads the text of a file; the limit is that of mechanisms, the largest of all kinds.
 pub(crate) fn read(path: &Path) -> Result<String, String> {
-    read_text(path, MAX_BYTES).map_err(|error| format!("cannot read {}: {error}", path.display()))
+    read_text(path, MAX_BYTES).map_err(|error| unreadable(path, &error))
 }
 
 /// Writes the text of a file completely, or not at all; with `replaces`, only if the file on disk still has this version.

@@ -58,6 +58,6 @@ impl Quantity {
             Self::Sensitivity(index) => ("singular value of the sensitivity", index, 3),
             _ => return Ok(()),
         };
-        if index < count { Ok(()) } else { Err(Error::NoSuchQuantity { what, index, count }) }
+        crate::error::indices(what, &[index], count)
     }
 }

@@ -2,10 +2,11 @@
 
 use nalgebra::DVector;
 
+use super::blocks::blocks;
 use super::closing::close;
 use super::closure::{Closure, SAME_BRANCH, START_RANGE};
 use super::description::Mechanism;
-use super::far_closing::close_from_far;
+use super::far_closing::{close_by_links, close_from_far, has_many_loops};
 use super::nearest::nearest_closure;
 use super::second_order_closing::{close_at_second_order, near_miss_at};
 use super::system::{LoopGap, MechanismSystem};
@@ -58,7 +59,7 @@ pub fn guess(mechanism: &Mechanism) -> DVector<f64> {
 /// * `starts` – how many other starts to try where the guess fails
 ///
 /// # Errors
-/// [`Error::NotAssembled`] with the best closure and the branches found; [`Error::LengthMismatch`], [`Error::NotFinite`].
+/// [`Error::NotAssembled`] with the best closure and the branches found; [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NoSuchQuantity`].
 ///
 /// # Numerics
 /// Deterministic: the other starts are the same at every call.
@@ -83,7 +84,7 @@ pub(super) fn assemble_within(
     tolerance: Option<f64>,
 ) -> Result<Closure, Error> {
     let system = MechanismSystem::new(mechanism, start.clone())?;
-    let free = free(mechanism, held);
+    let free = free(mechanism, held)?;
     let best = close(&system, &free, MAX_ITERATIONS)?;
     if best.is_closed() {
         return Ok(best);
@@ -137,7 +138,7 @@ pub(super) fn assemble_within(
 /// As [`assemble`].
 ///
 /// # Errors
-/// [`Error::LengthMismatch`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NoSuchQuantity`].
 pub fn branches(
     mechanism: &Mechanism,
     start: &DVector<f64>,
@@ -145,7 +146,7 @@ pub fn branches(
     starts: usize,
 ) -> Result<Branches, Error> {
     let system = MechanismSystem::new(mechanism, start.clone())?;
-    let free = free(mechanism, held);
+    let free = free(mechanism, held)?;
     let first = close(&system, &free, MAX_ITERATIONS)?;
     let (mut found, _) = search(&system, &free, starts, first.clone())?;
     if first.is_closed() {
@@ -200,8 +201,10 @@ fn open_couplings(system: &MechanismSystem<'_>) -> Vec<OpenCoupling> {
 }
 
 /// Joint coordinates that are not held.
-fn free(mechanism: &Mechanism, held: &[usize]) -> Vec<usize> {
-    (0..mechanism.joint_freedoms()).filter(|k| !held.contains(k)).collect()
+fn free(mechanism: &Mechanism, held: &[usize]) -> Result<Vec<usize>, Error> {
+    let joints = mechanism.joint_freedoms();
+    crate::error::indices("coordinate", held, joints + mechanism.virtual_joints().len())?;
+    Ok((0..joints).filter(|k| !held.contains(k)).collect())
 }
 
 fn search(
@@ -213,19 +216,28 @@ fn search(
     let mut random = Random(1);
     let mut branches: Vec<Closure> = Vec::new();
     let mut tried = 0;
+    let is_on_loops = on_loops(system);
+    let moving: Vec<usize> = free.iter().copied().filter(|&k| is_on_loops[k]).collect();
     while tried < starts && branches.len() < MAX_BRANCHES {
         tried += 1;
         let mut by = DVector::zeros(system.home().len());
         for &k in free {
-            by[k] = random.next()
-                * match system.kinematics().dimensions()[k] {
-                    Dimension::Angle => std::f64::consts::PI,
-                    _ => START_RANGE * system.characteristic_length(),
-                };
+            let range = match system.kinematics().dimensions()[k] {
+                Dimension::Angle => std::f64::consts::PI,
+                _ => START_RANGE * system.characteristic_length(),
+            };
+            let share = random.next();
+            by[k] = if is_on_loops[k] { share * range } else { 0.0 };
         }
         let from = system.kinematics().moved(system.home(), &by);
-        let mut found = close_from_far(system, free, from, MAX_ITERATIONS)?;
-        if let Some(closed) = close_at_second_order(system, free, &found)? {
+        let mut found = close_from_far(system, &moving, from.clone(), MAX_ITERATIONS)?;
+        if !found.is_closed() && !has_many_loops(system) {
+            let by_links = close_by_links(system, &moving, from, MAX_ITERATIONS)?;
+            if by_links.residual < found.residual {
+                found = by_links;
+            }
+        }
+        if let Some(closed) = close_at_second_order(system, &moving, &found)? {
             found = closed;
         }
         let known = |branch: &Closure| same(system, &branch.coordinates, &found.coordinates);
@@ -238,6 +250,16 @@ fn search(
     }
     let is_limited = tried < starts;
     Ok((Branches { closures: branches, starts: tried, is_limited }, best))
+}
+
+/// Whether loops or couplings constrain each coordinate: the others keep the values of the guess, since a different value is no other configuration of the loops.
+fn on_loops(system: &MechanismSystem<'_>) -> Vec<bool> {
+    let kinematics = system.kinematics();
+    let mut on_loops = vec![false; system.home().len()];
+    for block in blocks(kinematics.mechanism()).iter().filter(|block| block.has_constraints()) {
+        block.coordinates(kinematics).into_iter().for_each(|k| on_loops[k] = true);
+    }
+    on_loops
 }
 
 /// Whether all links are where they are in another configuration.

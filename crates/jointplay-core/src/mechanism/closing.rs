@@ -31,7 +31,7 @@ const ROUND_OFF_OF_RANK: f64 = 1e-14;
 /// * `free` – indices of the coordinates that may move
 ///
 /// # Errors
-/// [`Error::Linalg`] (never seen). A closure that was not reached is not an error here: see [`Closure::is_closed`].
+/// [`Error::NoSuchQuantity`] for an index of no coordinate; [`Error::Linalg`] (never seen). A closure that was not reached is not an error here: see [`Closure::is_closed`].
 ///
 /// # Numerics
 /// The damping is in proportion to the residual, so that convergence is quadratic where the loops can be closed, and near linear where they only touch.
@@ -43,6 +43,7 @@ pub fn close(
     free: &[usize],
     max_iterations: usize,
 ) -> Result<Closure, Error> {
+    crate::error::indices("coordinate", free, start.home().len())?;
     let length = start.characteristic_length();
     let rows = units(&start.constraint_dimensions(), length);
     let columns = units(start.kinematics().dimensions(), length);

@@ -34,9 +34,7 @@ impl DrivePath {
     /// [`Error::NoSuchQuantity`] for an index that `from` does not have, [`Error::NotFinite`].
     pub fn line(from: &DVector<f64>, drives: &[Drive]) -> Result<Self, Error> {
         let coordinates: Vec<usize> = drives.iter().map(|drive| drive.coordinate).collect();
-        if let Some(&index) = coordinates.iter().find(|&&k| k >= from.len()) {
-            return Err(Error::NoSuchQuantity { what: "coordinate", index, count: from.len() });
-        }
+        crate::error::indices("coordinate", &coordinates, from.len())?;
         let start = coordinates.iter().map(|&k| from[k]).collect();
         let end = drives.iter().map(|drive| drive.to).collect();
         Self::through(coordinates, vec![start, end])

@@ -47,7 +47,7 @@ const NEARER: f64 = 0.75;
 /// * `count` – number of steps to report
 ///
 /// # Errors
-/// [`Error::NotClosed`] if the start is open.
+/// [`Error::NotClosed`] if the start is open, [`Error::NoSuchQuantity`] for an index of no coordinate.
 /// A motion that stops is not an error: see [`DrivenMotion::stopped`].
 ///
 /// # Numerics
@@ -81,8 +81,8 @@ pub fn drive_along(
     count: usize,
     progress: &mut dyn FnMut(usize),
 ) -> Result<DrivenMotion, Error> {
-    let run = DriveProblem::new(start, path, free);
     let closed = close(start, free, MAX_CORRECTIONS)?;
+    let run = DriveProblem::new(start, path, free);
     if !closed.is_closed() {
         return Err(Error::NotClosed { residual: closed.residual, allowed: CLOSURE_TOLERANCE });
     }

@@ -47,7 +47,7 @@ const RANK: f64 = 1e-9;
 /// * `starts` – how many starts to try for each block
 ///
 /// # Errors
-/// Those of [`MechanismSystem::new`]. `None` where a block was closed from no start.
+/// Those of [`MechanismSystem::new`]; [`Error::NoSuchQuantity`] for an index of no coordinate. `None` where a block was closed from no start.
 ///
 /// # Numerics
 /// Deterministic. The configuration is a local minimum of the distance; a nearer one on another branch is missed if no start leads to it.
@@ -57,6 +57,7 @@ pub fn nearest_closure(
     held: &[usize],
     starts: usize,
 ) -> Result<Option<Closure>, Error> {
+    crate::error::indices("coordinate", held, guess.len())?;
     let kinematics = Kinematics::new(mechanism);
     let mut coordinates = guess.clone();
     let free: Vec<usize> = (0..mechanism.joint_freedoms()).filter(|k| !held.contains(k)).collect();

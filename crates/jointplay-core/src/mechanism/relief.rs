@@ -133,9 +133,10 @@ impl CommandedJoints {
     /// * `coordinates` – indices of the commanded joint coordinates
     ///
     /// # Errors
-    /// Those of [`finite_mobility`].
+    /// [`Error::NoSuchQuantity`] for an index of no joint coordinate; those of [`finite_mobility`].
     pub fn new(home: &MechanismSystem<'_>, coordinates: &[usize]) -> Result<Self, Error> {
         let joints = home.coordinate_dimensions().len();
+        crate::error::indices("joint coordinate", coordinates, joints)?;
         let passive = passive(joints, coordinates);
         let held = DrivenCurve::new(home, &passive, None);
         let here = held.here();

@@ -218,12 +218,12 @@ fn compute(
             output::short(rate)
         ));
     }
+    let of_share = format!(" of the share {}/{}", share.task, share.of);
     if present + computed < total {
         return Err(Failure::Interrupted(format!(
-            "{} of {total} parts of the share {}/{} are finished; the same command continues",
+            "{} of {}; the same command continues",
             present + computed,
-            share.task,
-            share.of
+            text::finished(total, &of_share)
         )));
     }
     let report = serde_json::json!({
@@ -235,10 +235,10 @@ fn compute(
         "present": present,
     });
     format.print(&report, |_| {
-        let Share { task, of } = share;
         format!(
-            "{}: {total} parts of the share {task}/{of} are finished\n  computed {computed}, found {present}\n",
-            folder.manifest.study.name
+            "{}: {}\n  computed {computed}, found {present}\n",
+            folder.manifest.study.name,
+            text::finished(total, &of_share)
         )
     })
 }

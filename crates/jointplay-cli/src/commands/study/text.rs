@@ -126,10 +126,19 @@ fn number(value: f64) -> String {
 /// Largest number of runs of missing parts that are listed in text; JSON lists all.
 const MOST_RUNS: usize = 12;
 
+/// A number of finished parts, such as `3 parts of the share 0/2 are finished`.
+pub(super) fn finished(parts: u64, of: &str) -> String {
+    if parts == 1 {
+        format!("1 part{of} is finished")
+    } else {
+        format!("{parts} parts{of} are finished")
+    }
+}
+
 /// Progress of a study in parts.
 pub(super) fn status(report: &StatusReport) -> String {
     let StatusReport { study, parts, done, missing, missing_ranges, .. } = report;
-    let mut text = format!("{study}: {done} of {parts} parts are finished\n");
+    let mut text = format!("{study}: {done} of {}\n", finished(*parts, ""));
     if *missing > 0 {
         let runs = missing_ranges.iter().take(MOST_RUNS);
         let run = |[first, last]: &[u64; 2]| match first == last {
@@ -189,4 +198,15 @@ fn time(seconds: f64) -> String {
         }
     }
     format!("{seconds:.2} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_finished_part_is_singular() {
+        assert_eq!(finished(1, ""), "1 part is finished");
+        assert_eq!(finished(0, " of the share 1/2"), "0 parts of the share 1/2 are finished");
+    }
 }

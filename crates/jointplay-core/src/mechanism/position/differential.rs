@@ -104,7 +104,7 @@ impl DifferentialKinematics {
     /// * `commanded` – indices of the coordinates whose rates are given, usually the actuated ones
     ///
     /// # Errors
-    /// [`Error::PartlyCommanded`] for one or two coordinates of a ball.
+    /// [`Error::PartlyCommanded`] for one or two coordinates of a ball, [`Error::NoSuchQuantity`] for an index of no coordinate.
     pub fn new(system: &MechanismSystem<'_>, commanded: &[usize]) -> Result<Self, Error> {
         let mut recorded = commanded.to_vec();
         recorded.sort_unstable();

@@ -92,7 +92,7 @@ impl PositionSolver {
     /// * `commanded` – indices of the coordinates that keep their values, among those of joints and virtual joints
     ///
     /// # Errors
-    /// [`Error::PartlyCommanded`] for one or two coordinates of a ball.
+    /// [`Error::PartlyCommanded`] for one or two coordinates of a ball, [`Error::NoSuchQuantity`] for an index of no coordinate.
     pub fn new(system: &MechanismSystem<'_>, commanded: &[usize]) -> Result<Self, Error> {
         let mut solver = Self::lay_out(system, commanded, &[])?;
         if solver.relieved.is_empty() {
@@ -117,6 +117,7 @@ impl PositionSolver {
         let kinematics = system.kinematics();
         let (mechanism, chains) = (kinematics.mechanism(), kinematics.chains());
         let dimensions = kinematics.dimensions();
+        crate::error::indices("coordinate", commanded, dimensions.len())?;
         let free = |k: usize| !commanded.contains(&k);
         let joint_freedoms = mechanism.joint_freedoms();
         let length = system.characteristic_length();
