@@ -40,12 +40,15 @@ async function open(stills: boolean): Promise<{ page: Page; heard: string[]; res
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.2 * Math.PI / 180) < 1e-9');
   await page.keyboard.press('p');
   await frames(page);
-  const resolution = () => page.evaluate(() => {
+  return { page, heard, resolution: () => resolution(page) };
+}
+
+/** Pixels of the picture for each pixel of the page. */
+const resolution = (page: Page) =>
+  page.evaluate(() => {
     const canvas = document.querySelector<HTMLCanvasElement>('canvas[role=img]')!;
     return canvas.width / canvas.clientWidth;
   });
-  return { page, heard, resolution };
-}
 
 /** The shares of blocks of the view that are darker and brighter in the second picture. */
 async function differences(pictures: [Buffer, Buffer]): Promise<{ darker: number; brighter: number }> {
@@ -91,4 +94,34 @@ test('a view at rest is darker where parts shade each other', async () => {
   expect(unhandled([...moving.heard, ...still.heard])).toEqual([]);
   await moving.page.context().close();
   await still.page.context().close();
+});
+
+/** Largest change of the slope of the brightness from row to row within a picture [levels]. */
+async function stripes(page: Page, picture: Buffer): Promise<number> {
+  const rows = await page.evaluate(async (base64) => {
+    const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], { type: 'image/png' }));
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d')!;
+    context.drawImage(bitmap, 0, 0);
+    const { data, width, height } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    return Array.from({ length: height }, (_, y) => Array.from({ length: width }, (_, x) => data[4 * (y * width + x) + 1]!).reduce((sum, level) => sum + level / width, 0));
+  }, picture.toString('base64'));
+  return Math.max(...rows.slice(1, -1).map((level, i) => Math.abs(rows[i]! - 2 * level + rows[i + 2]!)));
+}
+
+test('a wall that is seen at a small angle does not shade itself in stripes', async () => {
+  const cell = await serve(0, ['--cell', 'example']);
+  const page = await visit(browser, { viewport: { width: 1440, height: 900 }, deviceScaleFactor: 2 });
+  const heard = complaints(page);
+  await load(page, cell.address);
+  await until('the cell is drawn', () => page.evaluate(() => window.jointplay.probe.cellFrames > 0));
+  await until('a still picture', async () => (await resolution(page)) > 1.5);
+  await page.locator('body').press('2');
+  await until('a moving picture', async () => (await resolution(page)) < 1.5);
+  await until('a still picture from above', async () => (await resolution(page)) > 1.5);
+  await frames(page);
+  // The face of the wall, without its edges.
+  expect(await stripes(page, await page.screenshot({ clip: { x: 665, y: 537, width: 120, height: 38 } }))).toBeLessThan(1);
+  expect(unhandled(heard)).toEqual([]);
+  await page.context().close();
+  await cell.stop();
 });
