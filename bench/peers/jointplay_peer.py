@@ -29,14 +29,15 @@ def main(path, copies="1", threads="1"):
 
 
 def robot(work):
-    """The robot of the workload, without limits."""
+    """The robot of the workload with the tilt limit of the paper, which is not checked."""
     return jointplay.Gpr(
         socket_radius_m=work.radius,
         socket_angle_rad=np.arctan2(work.direction[:, 1], work.direction[:, 0]),
         base_points_m=work.base,
         rod_limits_m=(0.0, 1.0),
-        tilt_limit_rad=0.1,
+        tilt_limit_rad=np.radians(1.5),
         working_height_m=work.height,
+        check_limits=False,
     )
 
 
