@@ -4308,7 +4308,11 @@ vec3 tangent( vec3 here, vec2 by ) {
   return abs( after.z ) < abs( before.z ) ? after : before;
 }
 
-float horizon( vec3 here, vec3 eye, vec2 direction, float length_px, float lowest, float jitter ) {
+/**
+ * The highest elevation of the surroundings in a direction. Sampled pixels are up to half a pixel off that direction: what they are off along
+ * the normal of its plane, the axis, is removed parallel to the surface, so that a plane does not occlude itself.
+ */
+float horizon( vec3 here, vec3 eye, vec2 direction, vec3 axis, vec3 aside, float length_px, float lowest, float jitter ) {
   float highest = lowest;
   for ( int i = 0; i < STEPS; i ++ ) {
     float share = ( float( i ) + jitter ) / float( STEPS );
@@ -4316,6 +4320,7 @@ float horizon( vec3 here, vec3 eye, vec2 direction, float length_px, float lowes
     pixel = floor( pixel ) + 0.5;
     if ( any( lessThan( pixel, place.xy ) ) || any( greaterThan( pixel, place.xy + place.zw ) ) ) break;
     vec3 to = positionAt( pixel ) - here;
+    to -= dot( to, axis ) * aside;
     float far = length( to );
     // Parts at the end of the radius have no effect, so that none begins suddenly.
     float weight = clamp( 2.0 - 2.0 * far / radius, 0.0, 1.0 );
@@ -4347,8 +4352,9 @@ void main() {
     float share = length( projected );
     vec3 upright = along - eye * dot( along, eye );
     float tilt = sign( dot( upright, projected ) ) * arcCosine( dot( projected, eye ) / max( share, 1e-5 ) );
-    float after = arcCosine( horizon( here, eye, direction, length_px, - sin( tilt ), jitter ) );
-    float before = - arcCosine( horizon( here, eye, - direction, length_px, sin( tilt ), jitter ) );
+    vec3 aside = ( axis - normal * dot( normal, axis ) ) / max( share * share, 1e-3 );
+    float after = arcCosine( horizon( here, eye, direction, axis, aside, length_px, - sin( tilt ), jitter ) );
+    float before = - arcCosine( horizon( here, eye, - direction, axis, aside, length_px, sin( tilt ), jitter ) );
     after = tilt + min( after - tilt, HALF_PI );
     before = tilt + max( before - tilt, - HALF_PI );
     open += share * 0.25 * ( 2.0 * cos( tilt ) + 2.0 * ( before + after ) * sin( tilt ) - cos( 2.0 * before - tilt ) - cos( 2.0 * after - tilt ) );
@@ -4359,6 +4365,14 @@ uniform sampler2D occlusion;
 uniform vec4 place;
 uniform vec2 size;
 uniform float radius;
+
+/** Change of the depth to the next pixel: the smaller one of both sides, since the other one may be across an edge. */
+float slope( float depth, vec2 by ) {
+  float after = texture2D( occlusion, ( gl_FragCoord.xy + by ) / size ).g - depth;
+  float before = depth - texture2D( occlusion, ( gl_FragCoord.xy - by ) / size ).g;
+  return abs( after ) < abs( before ) ? after : before;
+}
+
 void main() {
   vec2 here = texture2D( occlusion, gl_FragCoord.xy / size ).rg;
   float sum = 0.0;
@@ -4373,11 +4387,12 @@ void main() {
     gl_FragColor = vec4( weights > 0.0 ? sum / weights : 1.0, 0.0, 0.0, 1.0 );
     return;
   }
+  vec2 slopes = vec2( slope( here.g, vec2( 1.0, 0.0 ) ), slope( here.g, vec2( 0.0, 1.0 ) ) );
   for ( int x = - 2; x < 2; x ++ )
     for ( int y = - 2; y < 2; y ++ ) {
       vec2 pixel = gl_FragCoord.xy + vec2( float( x ), float( y ) );
       vec2 found = texture2D( occlusion, clamp( pixel, place.xy + 0.5, place.xy + place.zw - 0.5 ) / size ).rg;
-      float weight = found.g == 0.0 ? 0.0 : max( 0.0, 1.0 - 8.0 * abs( found.g - here.g ) / radius );
+      float weight = found.g == 0.0 ? 0.0 : max( 0.0, 1.0 - 8.0 * abs( found.g - here.g - dot( slopes, vec2( float( x ), float( y ) ) ) ) / radius );
       sum += weight * found.r;
       weights += weight;
     }
