@@ -29,7 +29,8 @@ def test_the_radial_slides_written_anew(gpr, rods, solver):
     np.testing.assert_allclose(mine.virtual_joints, theirs.virtual_joints, rtol=1e-13)
     np.testing.assert_allclose(mine.base_from_platform, theirs.base_from_platform, atol=1e-15)
     many, others = gpr.forward(rods, Slides(), solver=solver), gpr.forward(rods, "radial", solver=solver)
-    for name in others.quantities:
+    # Those of the library are interpolated, without iterations.
+    for name in set(others.quantities) - {"iterations"}:
         np.testing.assert_allclose(getattr(many, name), getattr(others, name), rtol=1e-11, atol=1e-14)
 
 
