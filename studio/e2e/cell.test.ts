@@ -390,6 +390,7 @@ test('an invalid cell is opened, its error is marked, and it is fixed', async ()
     await load(second, other.address);
     await second.getByTestId('diagnostics').getByText('tilts 2.000°').waitFor();
     await second.getByText('Fix the errors in the cell file to display the cell.').waitFor();
+    expect(await second.getByText('The cell has no stations.').count()).toBe(0);
     for (const part of ['The virtualizations are', 'Stations are']) await second.getByText(`${part} unavailable: fix the errors in the cell file first.`).waitFor();
     const line = EXAMPLE_CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;
     await second.getByTestId('diagnostics').getByRole('button', { name: `cell, line ${line}, column 8` }).click();

@@ -12,7 +12,7 @@ const MOST: usize = 8;
 
 /// Solvers of a robot, each prepared at its first use and kept for later calls, the latest last.
 ///
-/// A preparation takes as long as some thousand poses.
+/// A preparation takes as long as some ten thousand poses.
 #[derive(Debug, Default)]
 pub(crate) struct PreparedSolvers(Mutex<Vec<Prepared>>);
 

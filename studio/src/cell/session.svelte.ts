@@ -93,6 +93,8 @@ export class WorkcellSession {
   typing = $state(false);
   /** Whether the cell is valid, so that its robot can be jogged. */
   jogAvailable = $derived((this.plan?.robot ?? null) !== null);
+  /** Whether the planned cell file has errors, so that nothing is known of the cell. */
+  isInvalid = $derived(this.plan !== null && !this.jogAvailable);
   /** The line that the editor is requested to show. */
   requestedLine = $state.raw<{ line: number; kind: 'program' | 'cell' } | null>(null);
   readonly jog: JogController = new JogController(this);

@@ -1,0 +1,1 @@
+export{n as session}from"./session.svelte-tc8FN_rp.js";
