@@ -62,3 +62,25 @@ for (const { name, ready, shown, text } of VIEWS)
     expect(unhandled(heard)).toEqual([]);
     await page.context().close();
   });
+
+test('a page printed before its view is loaded has the picture once the view is', async () => {
+  const page = await visit(browser, { viewport: { width: 1440, height: 900 } });
+  const heard = complaints(page);
+  let release = () => {};
+  const held = new Promise<void>((done) => (release = done));
+  await page.route('**/cell/scenes/*', async (route) => {
+    await held;
+    await route.continue();
+  });
+  await load(page, server.address);
+  await page.getByRole('button', { name: 'Cell', exact: true }).click();
+  await until('the check', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
+  await page.emulateMedia({ media: 'print' });
+  expect(await page.getByText('The view was not loaded yet.').isVisible()).toBe(true);
+  expect(await page.locator('.printed canvas').isVisible()).toBe(false);
+  release();
+  await until('the printed picture', async () => (await picture(page)).colors > 20);
+  expect(await page.getByText('The view was not loaded yet.').count()).toBe(0);
+  expect(unhandled(heard)).toEqual([]);
+  await page.context().close();
+});

@@ -13,7 +13,7 @@ import { options, RUNNING } from './browser';
  *
  * Tests wait for a state of the page, however long a busy machine takes; `TIMEOUT_S` shortens the timeout during development.
  */
-export const TIMEOUT_MS = Number(process.env.TIMEOUT_S ?? 900) * 1000;
+export const TIMEOUT_MS = Number(process.env.TIMEOUT_S ?? 240) * 1000;
 
 export const ROOT = resolve(import.meta.dirname, '../..');
 export const COMMAND = process.env.JOINTPLAY_COMMAND ?? resolve(ROOT, 'target/debug/jointplay');

@@ -297,8 +297,9 @@ export abstract class SceneRenderer {
    *
    * `smooth` renders it at twice the resolution where the graphics card does not smooth edges.
    * With `vectors`, axes, labels and note are drawn there, in pixels of the screen, and not on the canvas.
+   * Returns whether there is a scene.
    */
-  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth = true, vectors: TextContext | null = null): void {
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth = true, vectors: TextContext | null = null): boolean {
     const { width, height, scale, transparent, labels, note } = picture;
     const context = canvas.getContext('2d');
     const largest = this.renderer.capabilities.maxTextureSize;
@@ -316,7 +317,8 @@ export abstract class SceneRenderer {
       this.renderer.setPixelRatio(1);
       this.renderer.setSize(width * factor, height * factor, false);
       this.resized();
-      const panes = this.#renderScene(true) ?? [];
+      const scene = this.#renderScene(true);
+      const panes = scene ?? [];
       if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
       context.setTransform(1, 0, 0, 1, 0, 0);
       context.clearRect(0, 0, width, height);
@@ -339,6 +341,7 @@ export abstract class SceneRenderer {
       texts.font = '600 14px system-ui, sans-serif';
       texts.fillStyle = ink;
       texts.fillText(note, 14, height / scale - 14);
+      return scene !== null;
     } finally {
       this.exporting = this.vectors = false;
       if (this.#handles) this.#handles.group.visible = before.handles;

@@ -7,14 +7,15 @@ import { pictureSettings } from './pictureSettings.svelte';
 
 /** A view that pictures with vectors can be made of. */
 export interface VectorView extends Pick<PicturedView, 'viewSize'> {
-  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth: boolean, vectors: TextContext): void;
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth: boolean, vectors: TextContext): boolean;
 }
 
 /** A view that pictures can be made of. */
 export interface PicturedView {
   /** Size of the view on the page [px]. */
   readonly viewSize: { width: number; height: number };
-  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth?: boolean): void;
+  /** Renders the view for export; returns whether it has a scene. */
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth?: boolean): boolean;
 }
 
 /** The view as PNG in the size that the user chose, without handles, with a note. */

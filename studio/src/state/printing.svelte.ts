@@ -22,6 +22,10 @@ class Printing {
   /** Whether a page is being printed; it has light colors. */
   active = $state(false);
   title = $state('');
+  /** Whether the page has the picture of a loaded view. */
+  drawn = $state(false);
+  /** The request to render a view that is not loaded yet. */
+  #frame = 0;
   #printed: (() => PrintedView) | null = null;
 
   /** Chooses the view that is printed, until the returned function is called. */
@@ -32,24 +36,26 @@ class Printing {
     };
   }
 
-  /** Renders the picture of the page; browsers print it as soon as this function returns. */
+  /** Renders the picture of the page; browsers print it as soon as this function returns. A view that is not loaded yet is rendered once it is. */
   begin(canvas: HTMLCanvasElement): void {
     if (this.active) return;
-    const printed = this.#printed?.();
-    if (!printed) return;
     // The views take the light colors before the picture is rendered.
-    flushSync(() => {
-      this.active = true;
-      this.title = printed.title;
-    });
-    if (!printed.view) return;
-    const { width, height } = printed.view.viewSize;
-    const aspect = Math.min(Math.max(width / Math.max(height, 1), ASPECT[0]), ASPECT[1]);
-    printed.view.renderPicture(canvas, { width: WIDTH, height: Math.round(WIDTH / aspect), scale: SCALE, transparent: false, labels: true, note: printed.note });
+    flushSync(() => (this.active = true));
+    this.#render(canvas);
   }
 
   end(): void {
-    this.active = false;
+    cancelAnimationFrame(this.#frame);
+    this.active = this.drawn = false;
+  }
+
+  #render(canvas: HTMLCanvasElement): void {
+    const { view, title, note } = this.#printed?.() ?? { view: null, title: '', note: '' };
+    this.title = title;
+    const { width, height } = view?.viewSize ?? { width: 1, height: 1 };
+    const aspect = Math.min(Math.max(width / Math.max(height, 1), ASPECT[0]), ASPECT[1]);
+    this.drawn = view?.renderPicture(canvas, { width: WIDTH, height: Math.round(WIDTH / aspect), scale: SCALE, transparent: false, labels: true, note }) ?? false;
+    if (!this.drawn) this.#frame = requestAnimationFrame(() => this.#render(canvas));
   }
 }
 

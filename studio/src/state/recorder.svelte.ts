@@ -11,7 +11,7 @@ export interface RecordedView {
   /** Requests a frame. */
   invalidate(): void;
   /** Renders the view to another canvas, without handles. */
-  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth?: boolean): void;
+  renderPicture(canvas: HTMLCanvasElement, picture: Picture, smooth?: boolean): boolean;
 }
 
 const KINDS = [
