@@ -136,6 +136,8 @@ test('a file that changed on disk is not overwritten unseen', async () => {
   await page.getByRole('button', { name: 'Reload from disk' }).click();
   await holds('# another editor');
   expect(await text()).toContain('socket_angle_deg = 120.0');
+  // The numbers follow the text once the server has read it.
+  await until('the number of the file', async () => (await page.getByTestId('limb-2-angle').inputValue()) === '120');
   await type('limb-2-angle', 'many');
   await page.getByRole('alert').filter({ hasText: 'must be a number in degrees' }).waitFor();
   expect(await page.getByTestId('limb-2-angle').inputValue()).toBe('120');

@@ -47,6 +47,10 @@ const HANDLES = { radius: 40, size: 130 } as const;
 
 /** Walls within this share of the viewing distance from the line of sight are transparent. */
 const WALL_MARGIN = 0.08;
+/** Length of a station among many ones [m]: stations have no labels in views from far away. */
+const LABELLED_M = 0.3;
+/** Number of stations from which on each label has only that length. */
+const MANY_STATIONS = 12;
 
 export class CellRenderer extends SceneRenderer {
   readonly #events: CellRendererEvents;
@@ -379,7 +383,9 @@ export class CellRenderer extends SceneRenderer {
     const planes = this.renderer.clippingPlanes as Plane[];
     const isShown = ({ name, position }: { name: string; position: Vector3 }) => !this.#hiddenStations.has(name) && planes.every((plane) => plane.distanceToPoint(position) >= 0);
     const stations = this.#stations.map(({ name, position }) => ({ name, position: this.#labelPosition(name, position) })).filter(isShown);
-    const labels: Label[] = stations.map(({ name, position }) => ({ position, text: name, strong: true, stays: true, extent: 0.3 }));
+    // The fewer labels, the more space each of them has.
+    const extent = LABELLED_M * Math.max(1, Math.sqrt(MANY_STATIONS / Math.max(stations.length, 1)));
+    const labels: Label[] = stations.map(({ name, position }) => ({ position, text: name, strong: true, stays: true, extent }));
     const [from, to] = this.#measured;
     this.stationLabels = labels.map(({ text }) => text);
     if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true, stays: true });

@@ -1,29 +1,16 @@
 // 3D model of a mechanism: bars of links, joints by kind, virtual joints. Units: m, as the server sends them.
 
-import {
-  Box3,
-  BoxGeometry,
-  ConeGeometry,
-  CylinderGeometry,
-  Group,
-  LatheGeometry,
-  Matrix4,
-  Mesh,
-  MeshStandardMaterial,
-  OctahedronGeometry,
-  Quaternion,
-  SphereGeometry,
-  TorusGeometry,
-  Vector2,
-  Vector3,
-  type BufferGeometry,
-  type Material,
-} from 'three';
+import { Box3, Group, Matrix4, Mesh, MeshStandardMaterial, Quaternion, Vector3, type BufferGeometry, type Material } from 'three';
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { MechanismDocument, PlacedDocument, RedundantConstraint } from '../api/client';
 import { disposeGeometries, disposeMaterials } from '../scene/dispose';
 import type { SceneColours } from '../scene/palette';
+import { MechanismShapes, UP } from './mechanismShapes';
 
-const UP = new Vector3(0, 1, 0);
+/** Mechanisms with more joints have fewer faces in drafts. */
+const MANY = 24;
+const SHAPES = new MechanismShapes(1);
+const COARSE_SHAPES = new MechanismShapes(0.35);
 
 /** The matrix of a pose. */
 export function matrixOf({ origin_m: [x, y, z], rotation: [a, b, c] }: PlacedDocument): Matrix4 {
@@ -81,6 +68,9 @@ export class MechanismModel {
   readonly #loads = new Group();
   readonly #materials: MechanismMaterials;
   readonly #document: MechanismDocument;
+  /** Shapes of the parts that are not drawn: those with fewer faces, or, while these are drawn, the others. */
+  readonly #coarse = new Map<Mesh, BufferGeometry>();
+  #isCoarse = false;
 
   constructor(document: MechanismDocument, materials: MechanismMaterials) {
     this.#document = document;
@@ -91,13 +81,12 @@ export class MechanismModel {
       // Coaxial bars of neighbouring links have different radii.
       const radius = i === 0 ? 0.7 * bar : i % 2 === 0 ? bar : 0.88 * bar;
       const material = i === 0 ? materials.base : materials.links[i % 2]!;
-      for (const { from_m, to_m } of bars) group.add(part({ kind: 'link', name }, rod(new Vector3(...from_m), new Vector3(...to_m), radius), material));
-      const ends = bars.flatMap(({ from_m, to_m }) => [from_m, to_m]);
-      for (const end of distinct(ends)) {
-        const ball = part({ kind: 'link', name }, new SphereGeometry(radius, 16, 12), material);
-        ball.position.fromArray(end);
-        group.add(ball);
-      }
+      const ends = distinct(bars.flatMap(({ from_m, to_m }) => [from_m, to_m]));
+      const drawn = (shapes: MechanismShapes) => [
+        ...bars.map(({ from_m, to_m }) => shapes.rod(new Vector3(...from_m), new Vector3(...to_m), radius)),
+        ...ends.map(([x, y, z]) => shapes.ball(radius).translate(x!, y!, z!)),
+      ];
+      if (bars.length > 0) group.add(this.#part({ kind: 'link', name }, drawn, material));
       group.matrixAutoUpdate = false;
       this.group.add(group);
       return group;
@@ -105,7 +94,7 @@ export class MechanismModel {
     this.#joints = document.joints.map(({ name, kind, links, frames, actuated }) => {
       const group = new Group();
       const material = actuated ? materials.actuated : materials.joint;
-      for (const geometry of glyph(kind, jointRadius)) group.add(part({ kind: 'joint', name }, geometry, material));
+      group.add(this.#part({ kind: 'joint', name }, (shapes) => shapes.joint(kind, jointRadius), material));
       group.applyMatrix4(matrixOf(frames[0]!));
       this.#links[links[0]!]!.add(group);
       return group;
@@ -113,7 +102,8 @@ export class MechanismModel {
     for (const { name, joint, link, motion, direction } of document.virtual_joints) {
       const of = document.joints[joint]!;
       const group = new Group();
-      for (const geometry of motion === 'slide' ? slideArrow(jointRadius) : turnArrow(jointRadius)) group.add(part({ kind: 'virtual', name }, geometry, materials.virtual));
+      const drawn = (shapes: MechanismShapes) => (motion === 'slide' ? shapes.slideArrow(jointRadius) : shapes.turnArrow(jointRadius));
+      group.add(this.#part({ kind: 'virtual', name }, drawn, materials.virtual));
       const side = of.links[0] === link ? 0 : 1;
       group.position.setFromMatrixPosition(matrixOf(of.frames[side]!));
       group.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...direction).normalize());
@@ -123,7 +113,28 @@ export class MechanismModel {
   }
 
   dispose(): void {
+    this.drawCoarsely(false);
     disposeGeometries(this.group);
+    for (const geometry of this.#coarse.values()) geometry.dispose();
+  }
+
+  /** A mesh of several shapes: each mesh takes time in every picture, whatever its size. */
+  #part(of: PartOf, drawn: (shapes: MechanismShapes) => BufferGeometry[], material: Material): Mesh {
+    const mesh = new Mesh(mergeGeometries(drawn(SHAPES))!, material);
+    mesh.userData = { part: of, material };
+    mesh.castShadow = true;
+    if (this.#document.joints.length > MANY) this.#coarse.set(mesh, mergeGeometries(drawn(COARSE_SHAPES))!);
+    return mesh;
+  }
+
+  /** Draws many parts with fewer faces, as pictures of a moving mechanism without a graphics card need it. */
+  drawCoarsely(isCoarse: boolean): void {
+    if (isCoarse === this.#isCoarse) return;
+    this.#isCoarse = isCoarse;
+    for (const [mesh, geometry] of this.#coarse) {
+      this.#coarse.set(mesh, mesh.geometry);
+      mesh.geometry = geometry;
+    }
   }
 
   /** Moves the links. */
@@ -174,9 +185,9 @@ export class MechanismModel {
     const length = vector.length();
     const direction = vector.clone().normalize();
     const head = Math.min(2 * radius, 0.5 * length);
-    this.#loads.add(new Mesh(rod(from, from.clone().addScaledVector(direction, length - head), 0.28 * radius), this.#materials.load));
+    this.#loads.add(new Mesh(SHAPES.rod(from, from.clone().addScaledVector(direction, length - head), 0.28 * radius), this.#materials.load));
     for (let k = 0; k < heads; k++) {
-      const cone = new Mesh(new ConeGeometry(0.75 * radius, head, 16), this.#materials.load);
+      const cone = new Mesh(SHAPES.cone(0.75 * radius, head), this.#materials.load);
       cone.position.copy(from).addScaledVector(direction, length - head / 2 - k * head);
       cone.quaternion.setFromUnitVectors(UP, direction);
       this.#loads.add(cone);
@@ -237,67 +248,7 @@ export class MechanismModel {
   }
 }
 
-function part(of: PartOf, geometry: BufferGeometry, material: Material): Mesh {
-  const mesh = new Mesh(geometry, material);
-  mesh.userData = { part: of, material };
-  mesh.castShadow = true;
-  return mesh;
-}
-
 function distinct(points: readonly number[][]): number[][] {
   const found = new Map(points.map((point) => [point.join(), point]));
   return [...found.values()];
-}
-
-/** A cylinder between two points. */
-function rod(from: Vector3, to: Vector3, radius: number): BufferGeometry {
-  const along = to.clone().sub(from);
-  const geometry = new CylinderGeometry(radius, radius, along.length(), 20);
-  const turn = new Quaternion().setFromUnitVectors(UP, along.clone().normalize());
-  return geometry.applyQuaternion(turn).translate(...from.clone().add(to).divideScalar(2).toArray());
-}
-
-/** A cylinder along z. */
-const along = (radius: number, length: number, at = 0) => new CylinderGeometry(radius, radius, length, 28).rotateX(Math.PI / 2).translate(0, 0, at);
-
-/** The race of a spherical bearing about z. */
-function race(r: number): BufferGeometry {
-  const profile = [[0.97, -0.8], [1.22, -0.35], [1.28, 0], [1.22, 0.35], [0.97, 0.8], [1.5, 0.8], [1.62, 0.68], [1.62, -0.68], [1.5, -0.8], [0.97, -0.8]];
-  return new LatheGeometry(profile.map(([radius, z]) => new Vector2(radius! * r, z! * r)), 36).rotateX(Math.PI / 2);
-}
-
-/** Shapes of a joint in its frame, whose z axis is that of the joint. */
-function glyph(kind: string, r: number): BufferGeometry[] {
-  switch (kind) {
-    case 'revolute':
-      return [along(r, 2.6 * r), along(0.55 * r, 3.6 * r), new TorusGeometry(r, 0.16 * r, 8, 28).translate(0, 0, 1.3 * r), new TorusGeometry(r, 0.16 * r, 8, 28).translate(0, 0, -1.3 * r)];
-    case 'prismatic':
-      return [new BoxGeometry(1.9 * r, 1.9 * r, 3.4 * r), along(0.45 * r, 9 * r)];
-    case 'cylindrical':
-      return [along(1.1 * r, 3 * r), along(0.55 * r, 9 * r), new TorusGeometry(1.1 * r, 0.16 * r, 8, 28)];
-    case 'helical':
-      return [along(0.55 * r, 8 * r), along(1.1 * r, 2 * r), ...[-2, -1, 0, 1, 2].map((k) => new TorusGeometry(0.7 * r, 0.12 * r, 8, 24).translate(0, 0, 1.3 * k * r))];
-    case 'universal':
-      return [along(0.5 * r, 3.6 * r), along(0.5 * r, 3.6 * r).rotateY(Math.PI / 2), new SphereGeometry(0.9 * r, 20, 14)];
-    case 'spherical':
-      return [new SphereGeometry(1.2 * r, 28, 20), race(r)];
-    case 'planar':
-      return [new BoxGeometry(4 * r, 4 * r, 0.5 * r)];
-    case 'fixed':
-      return [new BoxGeometry(1.3 * r, 1.3 * r, 1.3 * r)];
-    default:
-      return [new OctahedronGeometry(1.3 * r)];
-  }
-}
-
-/** A double arrow along z. */
-function slideArrow(r: number): BufferGeometry[] {
-  const cone = () => new ConeGeometry(0.6 * r, 1.4 * r, 16).rotateX(Math.PI / 2);
-  return [along(0.22 * r, 5.6 * r), cone().translate(0, 0, 3.4 * r), cone().rotateX(Math.PI).translate(0, 0, -3.4 * r)];
-}
-
-/** A ring about z. */
-function turnArrow(r: number): BufferGeometry[] {
-  const cone = new ConeGeometry(0.55 * r, 1.2 * r, 16).translate(2.2 * r, 0.4 * r, 0);
-  return [new TorusGeometry(2.2 * r, 0.2 * r, 8, 40, 1.5 * Math.PI).rotateZ(0.5 * Math.PI), cone];
 }

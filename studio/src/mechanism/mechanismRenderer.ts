@@ -439,6 +439,8 @@ export class MechanismRenderer extends SceneRenderer {
   }
 
   protected update(): Overlay | null {
+    this.#model?.drawCoarsely(this.isDraft);
+    this.#reference.drawCoarsely(this.isDraft);
     const handle = this.exporting || this.#animation ? null : this.#pointPosition();
     this.#handle.group.visible = handle !== null;
     if (handle) this.#handle.place(handle, this.#drag?.wanted ?? null, this.#eye, this.paneSize.height, this.#drag !== null);
@@ -455,9 +457,9 @@ export class MechanismRenderer extends SceneRenderer {
     const shown = joints.filter(({ name, actuated }) => all || actuated || isSelected(name));
     // Labels that are painted first have the best places.
     const rank = ({ name, actuated }: (typeof joints)[number]) => (isSelected(name) ? 0 : actuated ? 1 : 2);
-    // The fewer labels, the more space each of them has.
-    const extent = (LABELLED * Math.sqrt(MANY / Math.max(shown.length, 1)) * size_m) / this.#unit_m;
-    return shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }) => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : extent }));
+    // The fewer labels, the more space each of them has; those that are painted later take none of it.
+    const extents = [1, 2].map((last) => (LABELLED * Math.sqrt(MANY / Math.max(shown.filter((one) => rank(one) <= last).length, 1)) * size_m) / this.#unit_m);
+    return shown.sort((a, b) => rank(a) - rank(b)).map(({ name, actuated, position }) => ({ position, text: name, offset: [12, -10], strong: actuated || isSelected(name), extent: isSelected(name) ? undefined : extents[actuated ? 0 : 1] }));
   }
 
   #pick(event: MouseEvent): void {

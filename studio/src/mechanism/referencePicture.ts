@@ -81,6 +81,10 @@ export class ReferencePicture {
     this.stage.partsMoved();
   }
 
+  drawCoarsely(isCoarse: boolean): void {
+    this.#model?.drawCoarsely(isCoarse);
+  }
+
   /** Highlights parts in its own pane. */
   highlight(selected: (part: PartOf) => boolean): void {
     this.separate?.model.highlight(selected);

@@ -33,6 +33,9 @@ const PLATFORM: readonly Freedom[] = ['height', 'about_x', 'about_y'];
 /** Pointer movement for one degree of tilt [px]: tilts are small, so that dragging is scaled down. */
 const PIXELS_PER_DEGREE = 90;
 
+/** From a grip to both ends of its handle. */
+const HALF_LENGTH = 30;
+
 interface Handle {
   freedom: Freedom;
   group: Group;
@@ -93,6 +96,12 @@ export class Handles {
   grips(): Vector3[] {
     if (!this.group.visible) return [];
     return this.#handles.map(({ position }) => this.group.localToWorld(position.clone()));
+  }
+
+  /** Both ends of all handles in the scene; none while they are hidden. */
+  ends(): Vector3[] {
+    if (!this.group.visible) return [];
+    return this.#handles.flatMap(({ position, direction }) => [-HALF_LENGTH, HALF_LENGTH].map((along) => this.group.localToWorld(position.clone().addScaledVector(direction, along))));
   }
 
   /** Disposes of geometries and materials. */

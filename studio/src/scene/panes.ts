@@ -76,7 +76,7 @@ export function renderPanes(renderer: WebGLRenderer, panes: readonly Pane[], cam
   occlusion.prepare(renderer, places, camera, isCoarse || ratio >= FINE ? 2 : 1, computes);
   renderer.setScissorTest(panes.length > 1);
   for (const { stage, box } of panes) {
-    stage.updateShadows(renderer);
+    stage.updateShadows(renderer, !computes);
     const place = [scale * box.left, canvas.height - scale * box.bottom, scale * widthOf(box), scale * heightOf(box)] as const;
     renderer.setViewport(...place);
     renderer.setScissor(...place);

@@ -20,7 +20,7 @@ import { RobotMaterials, RobotModel, SIZES } from './robotModel';
 import { updateRobotScene, type RobotPicture } from './robotScene';
 import { sceneUnits } from './robotSize';
 import { CUBE_SIDES } from './standardViews';
-import { SceneRenderer, type Camera, type RendererEvents } from './sceneRenderer';
+import { LOW_VIEW, SceneRenderer, type Camera, type RendererEvents } from './sceneRenderer';
 
 Object3D.DEFAULT_UP.set(0, 0, 1);
 
@@ -31,8 +31,8 @@ const FIELD_OF_VIEW = 28;
 /** Height of the play scale below the view, and the area of the button at its upper left [px]. */
 const FOOTER = 76;
 const BUTTON = { left: 0, right: 136, top: 0, bottom: 46 } as const;
-/** Views of at most this height, and wider than this width, have their buttons in a row above the robot, as in the style sheet [px]. */
-const LOW_VIEW = { height: 350, width: 600 } as const;
+/** Share of the free part of the view that a box fills. */
+const MARGIN = 0.82;
 /** Width at the right of other views with view cube and buttons [px]. */
 const COLUMN = 104;
 /** Height of the ground [units of the scene]. */
@@ -249,7 +249,7 @@ export class RobotRenderer extends SceneRenderer {
     const reference = Math.abs(direction.z) > 0.999 ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
     const right = reference.clone().cross(direction).normalize();
     const up = direction.clone().cross(right);
-    const full = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.82;
+    const full = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * MARGIN;
     const { left, right: covered, top, bottom } = this.#coveredNow;
     const halfWidth = (full * Math.max(this.size.width - left - covered, 200)) / this.size.height;
     const halfHeight = (full * Math.max(this.size.height - top - bottom, 120)) / this.size.height;
@@ -259,6 +259,12 @@ export class RobotRenderer extends SceneRenderer {
       corner.sub(center);
       const depth = corner.dot(direction);
       distance = Math.max(distance, Math.abs(corner.dot(right)) / halfWidth + depth, Math.abs(corner.dot(up)) / halfHeight + depth);
+    }
+    // The handles may be in the margin around the box.
+    for (const end of this.handles?.ends() ?? []) {
+      end.sub(center);
+      const depth = end.dot(direction);
+      distance = Math.max(distance, (MARGIN * Math.abs(end.dot(right))) / halfWidth + depth, (MARGIN * Math.abs(end.dot(up))) / halfHeight + depth);
     }
     this.#moveCamera(direction, center, distance, 1);
   }
@@ -301,18 +307,12 @@ export class RobotRenderer extends SceneRenderer {
   /** What other elements cover of the view [px]; nothing in pictures for export. */
   get #coveredNow(): { left: number; right: number; top: number; bottom: number } {
     if (this.exporting) return { left: 0, right: 0, top: 0, bottom: 0 };
-    if (this.#isBelowRows) return { left: this.#covered, right: 0, top: this.coveredRows.top * this.size.height, bottom: FOOTER };
+    if (this.isBelowRows) return { left: this.#covered, right: 0, top: this.coveredRows.top * this.size.height, bottom: FOOTER };
     // The playground has neither buttons nor cube.
     const column = this.coveredBoxes().length > 0 ? COLUMN : 0;
     // Views that are low and narrow have the buttons at the left, and the cube at the right.
     const buttons = this.size.height <= LOW_VIEW.height ? column : 0;
     return { left: this.#covered + buttons, right: column, top: 0, bottom: FOOTER };
-  }
-
-  /** Whether buttons take rows above the robot, and no column next to it. */
-  get #isBelowRows(): boolean {
-    const { width, height } = this.size;
-    return this.isNarrow || (height <= LOW_VIEW.height && width > LOW_VIEW.width);
   }
 
   #updateProjection(): void {

@@ -74,6 +74,8 @@ export interface Picture {
 
 /** In views of a smaller width, elements over the view take whole rows [px]; the largest share of the height that the picture leaves to them at an edge. */
 const NARROW_VIEW = 480;
+/** Views of at most this height, and wider than this width, have their buttons in rows too, as in the style sheet [px]. */
+export const LOW_VIEW = { height: 350, width: 600 } as const;
 const MOST_COVERED = 0.27;
 /** Area of a drag handle that labels leave free [px]. */
 const GRIP = { width: 26, height: 64 } as const;
@@ -242,7 +244,7 @@ export abstract class SceneRenderer {
     const center = box.getCenter(new Vector3());
     const reach = box.getSize(new Vector3()).length() / 2;
     const aspect = Math.min(camera.aspect, 1);
-    const { top, bottom } = this.isNarrow ? this.coveredRows : { top: 0, bottom: 0 };
+    const { top, bottom } = this.isBelowRows ? this.coveredRows : { top: 0, bottom: 0 };
     // From the home direction, a box fills about two thirds of its sphere.
     const free = Math.sqrt(1 - top - bottom);
     const usual = (0.82 * reach) / Math.sin((camera.fov * Math.PI) / 360) / aspect / free;
@@ -287,6 +289,8 @@ export abstract class SceneRenderer {
     this.#events.rendered(performance.now() - start);
   }
 
+  /** Whether a picture of a moving scene is being rendered that is slow: without occlusion, and with fewer faces of many parts. */
+  protected isDraft = false;
   /** Whether a picture for export is being rendered. */
   protected exporting = false;
   /** Whether axes and labels of that picture are vectors. */
@@ -371,6 +375,7 @@ export abstract class SceneRenderer {
 
   /** Renders the panes, with a new occlusion where `occludes`; returns them, and `null` without a scene. */
   #renderScene(occludes: boolean): Pane[] | null {
+    this.isDraft = !occludes;
     const overlay = this.update();
     if (!overlay) return null;
     const panes = this.panes(overlay);
@@ -413,6 +418,12 @@ export abstract class SceneRenderer {
   /** Whether elements over the view take whole rows. */
   protected get isNarrow(): boolean {
     return this.size.width <= NARROW_VIEW;
+  }
+
+  /** Whether elements over the view take rows above and below the scene, and no column next to it. */
+  protected get isBelowRows(): boolean {
+    const { width, height } = this.size;
+    return this.isNarrow || (height <= LOW_VIEW.height && width > LOW_VIEW.width);
   }
 
   /** Shares of the height of the view that elements of the page cover at its top and at its bottom, where they take whole rows. */

@@ -12,6 +12,9 @@ const INTENSITY = { key: 1.9, environment: 0.62 } as const;
 /** Pixels of the shadow map along an edge, and the radius over which shadows are soft [pixels of the map]. */
 const SHADOW = { pixels: 1024, radius: 2.4 } as const;
 
+/** In drafts, the soft shadow on the ground follows every so many movements. */
+const DRAFTS = 3;
+
 /** Distance of the lines of the ground grid, and the radius in which they fade [units of the scene]. */
 export interface Grid {
   step: number;
@@ -24,6 +27,8 @@ export class Stage {
   readonly #environment = environmentLight();
   readonly #ground: Ground;
   #shadowsOutdated = true;
+  /** Number of movements since the shadow on the ground was rendered. */
+  #movements = DRAFTS;
   #surfaces = 0;
 
   constructor(grid: Grid) {
@@ -53,11 +58,13 @@ export class Stage {
     // A part does not cast a shadow on itself within one pixel of the map.
     light.shadow.normalBias = (3 * reach) / SHADOW.pixels;
     this.partsMoved();
+    this.#movements = DRAFTS;
   }
 
   /** Has the shadows rendered again before the next frame: they depend on the parts, not on the camera. */
   partsMoved(): void {
     this.#shadowsOutdated = true;
+    this.#movements += 1;
     this.surfacesChanged();
   }
 
@@ -78,11 +85,12 @@ export class Stage {
     this.#ground.paint(colours.grid, colours.shadow);
   }
 
-  /** Renders the shadow on the ground after parts have moved, and requests that of the key light for the next frame. */
-  updateShadows(renderer: WebGLRenderer): void {
+  /** Renders the shadow on the ground after parts have moved, in a draft not each time, and requests that of the key light for the next frame. */
+  updateShadows(renderer: WebGLRenderer, isDraft: boolean): void {
     renderer.shadowMap.needsUpdate = this.#shadowsOutdated;
-    if (!this.#shadowsOutdated) return;
     this.#shadowsOutdated = false;
+    if (this.#movements < (isDraft ? DRAFTS : 1)) return;
+    this.#movements = 0;
     this.#ground.cast(renderer, this.scene);
   }
 }

@@ -1,1 +1,0 @@
-export{t as GLTFLoader}from"./GLTFLoader-OttjJ7yk.js";
