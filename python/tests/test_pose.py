@@ -228,7 +228,8 @@ def test_files(tmp_path, gpr):
     assert jp.Gpr.from_file(path) == jp.Gpr.from_file(str(path)) == jp.Gpr.from_toml(path.read_text()) == gpr
     with pytest.raises(FileNotFoundError) as missing:
         jp.Gpr.from_file(tmp_path / "none.toml")
-    assert missing.value.filename is not None
+    # A text, as of `open`, and not the representation of a path object.
+    assert missing.value.filename == str(tmp_path / "none.toml")
     invalid = tmp_path / "invalid.toml"
     invalid.write_text(path.read_text().replace("tilt_deg = 1.5", "tilt_deg = nan"))
     with pytest.raises(jp.FileError, match="invalid.toml:28:12: `tilt_deg` is not a number") as caught:

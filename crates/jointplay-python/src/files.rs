@@ -88,5 +88,5 @@ fn named(py: Python<'_>, error: &std::io::Error, path: &Path) -> PyErr {
         .and_then(|os| os.call_method1("strerror", (code,))?.extract::<String>())
         .unwrap_or_else(|_| error.to_string());
     // `OSError` makes itself the right one of its subclasses for the number.
-    pyo3::exceptions::PyOSError::new_err((code, text, path.to_path_buf()))
+    pyo3::exceptions::PyOSError::new_err((code, text, path.as_os_str().to_owned()))
 }

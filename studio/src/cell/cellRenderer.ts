@@ -1,23 +1,6 @@
 // 3D view of a work cell. The cell is a glTF scene of the server; the motion moves its frames. Units: m.
 
-import {
-  Box3,
-  BufferGeometry,
-  Float32BufferAttribute,
-  Group,
-  LineBasicMaterial,
-  LineSegments,
-  Matrix4,
-  Mesh,
-  MeshStandardMaterial,
-  Object3D,
-  PerspectiveCamera,
-  Plane,
-  Quaternion,
-  Ray,
-  Vector3,
-  type Material,
-} from 'three';
+import { Box3, Group, Mesh, MeshStandardMaterial, Object3D, PerspectiveCamera, Plane, Ray, Vector3, type Material } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import type { StationDocument } from '../api/client';
 import type { Frame } from '../lib/kinematics';
@@ -25,7 +8,9 @@ import { partKey, partTitle, type CellParts, type Part, type Slot } from '../lib
 import { CellMaterials, type CellMaterial } from '../scene/cellMaterials';
 import { Handles, type Freedom } from '../scene/handles';
 import type { Label, Overlay } from '../scene/labels';
-import { sceneParts } from './sceneParts';
+import { CellLines } from './cellLines';
+import { frameOf } from './stationFrame';
+import { boxCorners, sceneParts } from './sceneParts';
 import { SECTION_AXES, type PointOfPart, type Section } from './viewTools.svelte';
 import { SceneRenderer, type RendererEvents } from '../scene/sceneRenderer';
 import { STANDARD_VIEWS, type SceneView } from '../scene/standardViews';
@@ -79,12 +64,7 @@ export class CellRenderer extends SceneRenderer {
   #displayedFrames: readonly Frame[] | null = null;
   /** Preview of a dragged station: the parts that move with it. */
   #preview: { station: string; group: Group } | null = null;
-  readonly #path = lineSegments(0xc2410c);
-  readonly #measure = lineSegments(0x7c3aed);
-  readonly #nearest = lineSegments(0xb3261e);
-  #nearestLabel: Label | null = null;
-  #measured: Vector3[] = [];
-  #measuredText = '';
+  readonly #lines = new CellLines();
   #hidden: ReadonlySet<string> = new Set();
   /** Names of stations without a shown part: they have no labels. */
   readonly #hiddenStations = new Set<string>();
@@ -113,16 +93,13 @@ export class CellRenderer extends SceneRenderer {
     );
     this.#eye = eye;
     this.#events = events;
-    this.scene.add(this.#path, this.#measure, this.#nearest);
+    this.scene.add(this.#lines.group);
     this.canvas.addEventListener('click', (event) => this.#pick(event));
     this.measure();
   }
 
   override dispose(): void {
-    for (const lines of [this.#path, this.#measure, this.#nearest]) {
-      lines.geometry.dispose();
-      lines.material.dispose();
-    }
+    this.#lines.dispose();
     this.#clear();
     this.#look.dispose();
     super.dispose();
@@ -386,26 +363,16 @@ export class CellRenderer extends SceneRenderer {
     // The fewer labels, the more space each of them has.
     const extent = LABELLED_M * Math.max(1, Math.sqrt(MANY_STATIONS / Math.max(stations.length, 1)));
     const labels: Label[] = stations.map(({ name, position }) => ({ position, text: name, strong: true, stays: true, extent }));
-    const [from, to] = this.#measured;
     this.stationLabels = labels.map(({ text }) => text);
-    if (from && to) labels.push({ position: from.clone().add(to).multiplyScalar(0.5), text: this.#measuredText, strong: true, stays: true });
-    if (this.#nearestLabel) labels.unshift(this.#nearestLabel);
-    return { labels, avoided: this.#nearestLabel ? this.#robotPoints() : [], covered: { left: 8, right: 8 }, occupied: [this.cornerBox(72)] };
+    const { measuredLabel, nearestLabel } = this.#lines;
+    if (measuredLabel) labels.push(measuredLabel);
+    if (nearestLabel) labels.unshift(nearestLabel);
+    return { labels, avoided: nearestLabel ? this.#robotPoints() : [], covered: { left: 8, right: 8 }, occupied: [this.cornerBox(72)] };
   }
 
   /** Corners of the boxes around the parts of platform and arms [m]. */
   #robotPoints(): Vector3[][] {
-    const found: Vector3[][] = [];
-    const moving = [...this.#objects].filter(([key]) => key.startsWith('platform:')).map(([, object]) => object);
-    for (const object of moving)
-      object.traverse((mesh) => {
-        if (!(mesh instanceof Mesh) || !mesh.visible) return;
-        const geometry = mesh.geometry as BufferGeometry;
-        if (!geometry.boundingBox) geometry.computeBoundingBox();
-        const { min, max } = geometry.boundingBox!;
-        found.push([min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => mesh.localToWorld(new Vector3(x, y, z))))));
-      });
-    return found;
+    return [...this.#objects].filter(([key]) => key.startsWith('platform:')).flatMap(([, object]) => boxCorners(object));
   }
 
   /** Makes walls transparent that are between the viewer and the point that is looked at. */
@@ -489,36 +456,24 @@ export class CellRenderer extends SceneRenderer {
 
   /** Draws a path: pairs of points [m]. */
   showPath(points: readonly number[]): void {
-    this.#setLines(this.#path, points);
+    this.#lines.showPath(points);
+    this.invalidate();
   }
 
   /** Draws the line between the nearest points of two parts [m], with a text; `null` for none. */
   showNearest(points: readonly number[][] | null, text: string): void {
-    this.#nearestLabel = null;
-    if (points) {
-      const [from, to] = points.map((point) => new Vector3().fromArray(point)) as [Vector3, Vector3];
-      this.#nearestLabel = { position: from.add(to).multiplyScalar(0.5), text, strong: true, offset: [10, -12] };
-    }
-    this.#setLines(this.#nearest, points ? [...points.flat(), ...points.flatMap((point) => cross(point, 0.006))] : []);
+    this.#lines.showNearest(points, text);
+    this.invalidate();
   }
 
   /** End points of the line between nearest points [m]; empty without a line. */
   get nearestPoints(): number[] {
-    return this.#nearest.visible ? [...this.#nearest.geometry.getAttribute('position').array].slice(0, 6) : [];
+    return this.#lines.nearestPoints;
   }
 
   /** Draws the clicked points of a measurement [m], and the line between two of them with a text. */
   showMeasured(points: readonly number[][], text: string): void {
-    this.#measured = points.map((point) => new Vector3().fromArray(point));
-    this.#measuredText = text;
-    const crosses = points.flatMap((point) => cross(point, 0.012));
-    this.#setLines(this.#measure, points.length === 2 ? [...crosses, ...points.flat()] : crosses);
-  }
-
-  #setLines(lines: LineSegments<BufferGeometry, LineBasicMaterial>, points: readonly number[]): void {
-    lines.geometry.dispose();
-    lines.geometry = new BufferGeometry().setAttribute('position', new Float32BufferAttribute(points, 3));
-    lines.visible = points.length > 0;
+    this.#lines.showMeasured(points, text);
     this.invalidate();
   }
 
@@ -532,26 +487,4 @@ export class CellRenderer extends SceneRenderer {
     const point = () => (this.#materials.has(object as Mesh) ? object.localToWorld(local.clone()).toArray() : null);
     this.#events.picked(this.#shows.get(object) ?? null, point);
   }
-}
-
-/** A cross at a point, with arms along the axes [m]. */
-function cross([x, y, z]: readonly number[], arm: number): number[] {
-  return [x! - arm, y!, z!, x! + arm, y!, z!, x!, y! - arm, z!, x!, y! + arm, z!, x!, y!, z! - arm, x!, y!, z! + arm];
-}
-
-/** Line segments that are drawn over all parts. */
-function lineSegments(color: number): LineSegments<BufferGeometry, LineBasicMaterial> {
-  const lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color, depthTest: false, transparent: true }));
-  lines.renderOrder = 2;
-  lines.visible = false;
-  lines.frustumCulled = false;
-  return lines;
-}
-
-/** The frame of a station in the base frame [m]: rotated by its heading, then tilted. */
-function frameOf({ position_mm, heading_rad, about_x_rad, about_y_rad }: StationDocument): Matrix4 {
-  const tilt = new Vector3(about_x_rad, about_y_rad, 0);
-  const tilted = new Quaternion().setFromAxisAngle(tilt.clone().normalize(), tilt.length());
-  const rotated = new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), heading_rad);
-  return new Matrix4().compose(new Vector3().fromArray(position_mm).divideScalar(1000), tilted.multiply(rotated), new Vector3(1, 1, 1));
 }

@@ -1,6 +1,6 @@
 // The parts that the objects of the 3D scene of a cell show, by their places in it: in the base frame, first those of the rods, then that of the platform with the links of the arms, then those of the wafers; bodies, slots and zones are meshes.
 
-import { Mesh, type Material, type Object3D } from 'three';
+import { Mesh, Vector3, type BufferGeometry, type Material, type Object3D } from 'three';
 import type { CellParts, Part, PartKind } from '../lib/parts';
 import { partKey } from '../lib/parts';
 import type { CellMaterial } from '../scene/cellMaterials';
@@ -50,5 +50,18 @@ export function sceneParts(scene: Object3D, bodies: CellParts['bodies']): SceneP
   for (const object of scene.children[0]?.children ?? [])
     if (object instanceof Mesh) addStationary(object);
     else addFrame(object, { kind: FRAMES[frames++] ?? 'wafer', name: nameOf(object) });
+  return found;
+}
+
+/** Corners of the boxes around the visible meshes of an object, in the scene. */
+export function boxCorners(object: Object3D): Vector3[][] {
+  const found: Vector3[][] = [];
+  object.traverse((mesh) => {
+    if (!(mesh instanceof Mesh) || !mesh.visible) return;
+    const geometry = mesh.geometry as BufferGeometry;
+    if (!geometry.boundingBox) geometry.computeBoundingBox();
+    const { min, max } = geometry.boundingBox!;
+    found.push([min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => mesh.localToWorld(new Vector3(x, y, z))))));
+  });
   return found;
 }

@@ -21,11 +21,13 @@ import { fittingDistance } from './fit';
 import { installEnvironment } from './environment';
 import type { Box } from '../lib/labelLayout';
 import type { TextContext } from '../lib/svgContext';
-import { DESCRIPTIONS, type Freedom, type Handles } from './handles';
+import { HandleDrag, type DragEvents } from './handleDrag';
+import type { Freedom, Handles } from './handles';
 import { Occlusion } from './occlusion';
 import { paintAxes, paintLabels, type Overlay } from './labels';
 import { SCENE, type Theme } from './palette';
 import { heightOf, paintDivider, paintTitles, renderPanes, wholeOf, widthOf, type Pane } from './panes';
+import type { Picture } from './picture';
 import { Resolution } from './resolution';
 import { Stage, type Grid } from './stage';
 import { CUBE_SIDES, type CubeSide } from './standardViews';
@@ -33,13 +35,7 @@ import { takeContext } from './webgl';
 
 export type Camera = PerspectiveCamera | OrthographicCamera;
 
-export interface RendererEvents {
-  /** A drag of a handle has begun. */
-  dragStart: (freedom: Freedom) => void;
-  /** The displacement since the start of the drag has changed [mm or degrees]. */
-  drag: (freedom: Freedom, displacement: number) => void;
-  /** The drag has ended, and is accepted or cancelled. */
-  dragEnd: (accepted: boolean) => void;
+export interface RendererEvents extends DragEvents {
   /** A frame has been rendered, with the time that it took [ms]. */
   rendered: (took_ms: number) => void;
 }
@@ -57,19 +53,6 @@ export interface SceneOptions {
   /** Length up to which parts occlude each other [units of the scene]. */
   occlusion: number;
   grid: Grid;
-}
-
-/** A picture of a view for export. */
-export interface Picture {
-  /** Pixels. */
-  width: number;
-  height: number;
-  /** Pixels of the picture per pixel of texts on the screen. */
-  scale: number;
-  transparent: boolean;
-  labels: boolean;
-  /** Text at the lower left. */
-  note: string;
 }
 
 /** In views of a smaller width, elements over the view take whole rows [px]; the largest share of the height that the picture leaves to them at an edge. */
@@ -106,8 +89,7 @@ export abstract class SceneRenderer {
   /** Whether the processor renders the pictures. */
   readonly #software: boolean;
   readonly #observer: ResizeObserver;
-  #handles: Handles | null = null;
-  #drag: { freedom: Freedom; start: Vector2 } | null = null;
+  readonly #handleDrag: HandleDrag;
   #pointerDown = new Vector2();
   #frame = 0;
   #still: ReturnType<typeof setTimeout> | undefined;
@@ -145,9 +127,9 @@ export abstract class SceneRenderer {
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener('change', () => this.invalidate());
-    // Registered for the capture phase: a drag of a handle must not reach the camera controls.
-    canvas.addEventListener('pointerdown', (event) => this.#grab(event), { capture: true });
-    canvas.addEventListener('pointermove', (event) => this.#pointerMove(event));
+    canvas.addEventListener('pointerdown', ({ clientX, clientY }) => this.#pointerDown.set(clientX, clientY), { capture: true });
+    const displacement = (handles: Handles, freedom: Freedom, moved: Vector2) => handles.displacement(freedom, moved, this.camera, this.size, this.unit_mm);
+    this.#handleDrag = new HandleDrag({ canvas, scene: this.scene, ray: (event) => this.ray(event), displacement, invalidate: () => this.invalidate() }, events);
     this.#observer = new ResizeObserver(() => this.measure());
     this.#observer.observe(host);
   }
@@ -311,12 +293,12 @@ export abstract class SceneRenderer {
     if (!(Math.max(width, height) <= largest && Math.min(width, height) >= 16))
       throw new Error(`pictures have 16 to ${largest} pixels along each edge, got ${width} × ${height}`);
     const factor = smooth && this.#software && 2 * Math.max(width, height) <= largest ? 2 : 1;
-    const before = { size: this.size, handles: this.#handles?.group.visible ?? false };
+    const before = { size: this.size, handles: this.handles?.group.visible ?? false };
     const { background, ink } = SCENE[this.theme];
     try {
       this.exporting = true;
       this.vectors = vectors !== null;
-      if (this.#handles) this.#handles.group.visible = false;
+      if (this.handles) this.handles.group.visible = false;
       this.size = { width: width / scale, height: height / scale };
       this.renderer.setPixelRatio(1);
       this.renderer.setSize(width * factor, height * factor, false);
@@ -348,7 +330,7 @@ export abstract class SceneRenderer {
       return scene !== null;
     } finally {
       this.exporting = this.vectors = false;
-      if (this.#handles) this.#handles.group.visible = before.handles;
+      if (this.handles) this.handles.group.visible = before.handles;
       this.size = before.size;
       this.renderer.setPixelRatio(this.#resolution.moving);
       this.renderer.setSize(this.size.width, this.size.height);
@@ -445,7 +427,7 @@ export abstract class SceneRenderer {
 
   /** Areas of the view around the drag handles [px]. */
   #gripBoxes(): Box[] {
-    return (this.#handles?.grips() ?? []).map((grip) => {
+    return (this.handles?.grips() ?? []).map((grip) => {
       const { x, y } = grip.project(this.camera);
       const [across, down] = [((x + 1) / 2) * this.size.width, ((1 - y) / 2) * this.size.height];
       return { left: across - GRIP.width / 2, right: across + GRIP.width / 2, top: down - GRIP.height / 2, bottom: down + GRIP.height / 2 };
@@ -455,7 +437,7 @@ export abstract class SceneRenderer {
   setTheme(theme: Theme): void {
     this.theme = theme;
     const { handle, handleActive } = SCENE[theme];
-    this.#handles?.paint(handle, handleActive);
+    this.handles?.paint(handle, handleActive);
     this.stage.paint(theme);
     this.invalidate();
   }
@@ -463,57 +445,18 @@ export abstract class SceneRenderer {
   // Drag handles
 
   protected get handles(): Handles | null {
-    return this.#handles;
+    return this.#handleDrag.handles;
   }
 
   /** Whether a handle is being dragged. */
   protected get dragging(): boolean {
-    return this.#drag !== null;
+    return this.#handleDrag.isActive;
   }
 
   /** Replaces the drag handles. */
   protected setHandles(handles: Handles | null): void {
-    if (this.#handles) {
-      this.scene.remove(this.#handles.group);
-      this.#handles.dispose();
-    }
-    this.#handles = handles;
-    if (!handles) return;
-    handles.paint(SCENE[this.theme].handle, SCENE[this.theme].handleActive);
-    this.scene.add(handles.group);
-  }
-
-  #grab(event: PointerEvent): void {
-    this.#pointerDown.set(event.clientX, event.clientY);
-    const freedom = event.button === 0 ? this.#handles?.pick(this.ray(event)) : null;
-    if (!freedom) return;
-    event.stopImmediatePropagation();
-    this.#drag = { freedom, start: new Vector2(event.clientX, event.clientY) };
-    this.canvas.setPointerCapture(event.pointerId);
-    this.#events.dragStart(freedom);
-    const end = (ended: Event) => {
-      this.#drag = null;
-      this.canvas.removeEventListener('pointerup', end);
-      this.canvas.removeEventListener('pointercancel', end);
-      this.#events.dragEnd(ended.type === 'pointerup');
-    };
-    this.canvas.addEventListener('pointerup', end);
-    this.canvas.addEventListener('pointercancel', end);
-  }
-
-  #pointerMove(event: PointerEvent): void {
-    if (!this.#handles) return;
-    if (this.#drag) {
-      const { freedom, start } = this.#drag;
-      const moved = new Vector2(event.clientX, event.clientY).sub(start);
-      this.#events.drag(freedom, this.#handles.displacement(freedom, moved, this.camera, this.size, this.unit_mm));
-      return;
-    }
-    if (event.buttons !== 0) return;
-    const hovered = this.#handles.pick(this.ray(event));
-    this.canvas.style.cursor = hovered ? 'grab' : '';
-    this.canvas.title = hovered ? `Drag: ${DESCRIPTIONS[hovered]}` : '';
-    if (this.#handles.highlight(hovered)) this.invalidate();
+    handles?.paint(SCENE[this.theme].handle, SCENE[this.theme].handleActive);
+    this.#handleDrag.replace(handles);
   }
 
   // Picking
@@ -527,7 +470,7 @@ export abstract class SceneRenderer {
   /** Whether a click is the end of a drag of the view, or hits a handle. */
   protected isDragOrHandle(event: MouseEvent): boolean {
     const moved = this.#pointerDown.distanceTo(new Vector2(event.clientX, event.clientY));
-    return moved >= CLICK_DISTANCE || Boolean(this.#handles?.pick(this.ray(event)));
+    return moved >= CLICK_DISTANCE || Boolean(this.handles?.pick(this.ray(event)));
   }
 
   /** Index of the pane under the pointer. */

@@ -2,7 +2,7 @@
 
 import { withResolution } from '../lib/png';
 import { pictureSvg, SvgContext, type TextContext } from '../lib/svgContext';
-import type { Picture } from '../scene/sceneRenderer';
+import type { Picture } from '../scene/picture';
 import { pictureSettings } from './pictureSettings.svelte';
 
 /** A view that pictures with vectors can be made of. */

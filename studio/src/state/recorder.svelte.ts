@@ -1,6 +1,6 @@
 // Records the 3D view as a video of 1920 × 1080 pixels with the encoder of the browser.
 
-import type { Picture } from '../scene/sceneRenderer';
+import type { Picture } from '../scene/picture';
 
 /** A 3D view that can be recorded. */
 export interface RecordedView {

@@ -151,7 +151,12 @@ fn a_folder_takes_one_study() {
         2,
         "parts are csv tables",
     );
-    fails(&sandbox, "study --parts run --gather t.parquet", 2, "parts are csv tables");
+    fails(
+        &sandbox,
+        "study --parts run --gather t.parquet",
+        2,
+        "the parts are csv tables; choose a name that ends in .csv",
+    );
     fails(&sandbox, "study --parts run --gather t.xlsx", 2, "ends in .csv or .parquet");
     fails(&sandbox, "study --parts none --status", 2, "has no study.json");
     fails(&sandbox, "study --parts run --part 2/2", 2, "a share is K/N");

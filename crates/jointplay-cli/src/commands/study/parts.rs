@@ -251,12 +251,19 @@ fn gather(
     force: bool,
     format: FormatArgs,
 ) -> Result<(), Failure> {
+    let shown = out.display();
     let kind = TableKind::from_path(out).ok_or_else(|| {
-        let shown = out.display();
         Failure::Usage(format!("--gather {shown}: the name of a table ends in .csv or .parquet"))
     })?;
     let study = &folder.manifest.study;
-    folder.check(study, Some(kind))?;
+    folder.check(study, None)?;
+    let held = folder.manifest.kind;
+    if kind != held {
+        let (held, wanted) = (held.ending(), kind.ending());
+        return Err(Failure::Usage(format!(
+            "--gather {shown}: the parts are {held} tables; choose a name that ends in .{held}, or compute them again with --part-format {wanted}"
+        )));
+    }
     let done = folder.done()?;
     let parts = study.plan.chunks()?;
     let mut progress = Progress::new(usize::try_from(parts).unwrap_or(usize::MAX));
