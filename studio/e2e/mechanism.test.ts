@@ -249,8 +249,13 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     expect(await page.getByTestId('m-finite').count()).toBe(0);
     await type(page, () => FOUR_BAR.replace('Planar four-bar linkage', 'Renamed linkage'));
     await shows(page, 'mechanism-name', 'Renamed');
+    // A file that cannot be written is reported until it is saved.
+    await page.route('**/api/v1/mechanism', (route) => route.fulfill({ status: 409, contentType: 'application/problem+json', body: '{"detail":"the disk is full"}' }), { times: 1 });
+    await page.keyboard.press('Control+s');
+    await page.getByTestId('mechanism-notice').waitFor();
     await page.keyboard.press('Control+s');
     await until('saved', async () => readFileSync(file, 'utf8').includes('Renamed linkage'));
+    await page.getByTestId('mechanism-notice').waitFor({ state: 'hidden' });
     writeFileSync(file, `${FOUR_BAR}# another editor\n`);
     await type(page, () => FOUR_BAR.replace('Planar four-bar linkage', 'Third linkage'));
     await page.keyboard.press('Control+s');

@@ -133,6 +133,23 @@ test('picture, film and text of a mechanism are exported', async () => {
   expect((await awaited).suggestedFilename()).toMatch(/^four-bar\.(mp4|webm)$/);
 });
 
+test('a mechanism that is opened from another view has its own camera, also a model with the file that closes its loops', async () => {
+  await open('bennett');
+  const before = (await camera(page))!;
+  await page.getByRole('button', { name: 'Robot', exact: true }).click();
+  const urdf = '<robot name="arm"><link name="base"/><link name="a"/><link name="b"/><joint name="A" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint><joint name="B" type="prismatic"><parent link="a"/><child link="b"/><origin xyz="20 0 0"/><axis xyz="0 0 1"/><limit lower="0" upper="0.1" effort="1" velocity="1"/></joint></robot>';
+  const loops = 'kind = "loops"\nunits = { length = "m", angle = "rad" }\n[[joint]]\nname = "C"\nkind = "cylindrical"\nlinks = ["base", "b"]\npoint = [20, 0, 0]\naxis = [0, 0, 1]\n';
+  const dropped = await page.evaluateHandle((texts) => {
+    const data = new DataTransfer();
+    for (const [name, text] of texts) data.items.add(new File([text!], name!));
+    return data;
+  }, [['arm-loops.toml', loops], ['arm.urdf', urdf]]);
+  await page.dispatchEvent('main', 'drop', { dataTransfer: dropped });
+  await until('its joints are drawn', async () => 'C' in (await joints(page)));
+  expect(await page.locator('dialog[open]').count()).toBe(0);
+  await until('the camera is not that of the mechanism before', async () => Math.abs((await camera(page))!.target[0]! - before.target[0]!) > 0.1);
+});
+
 test('the dialog Open opens files of each kind in their view, and remembers them', async () => {
   const shown = async (name: string) => until(`${name} is shown`, async () => (await page.getByTestId('mechanism-name').textContent()) === name);
   const dialog = page.getByRole('dialog', { name: 'Open' });

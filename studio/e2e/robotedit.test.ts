@@ -96,6 +96,33 @@ test('a number changes robot, text and pose at once; comments remain, undo resto
   expect(readFileSync(file, 'utf8')).toBe(PAPER.replaceAll('93.218', '120.0'));
 });
 
+test('a file with the line ends of Windows keeps them when it is edited', async () => {
+  writeFileSync(file, PAPER.replaceAll('\n', '\r\n'));
+  await edit();
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-server').click();
+  await page.locator('dialog[open]').waitFor({ state: 'hidden' });
+  const content = page.getByTestId('text-robot').locator('.cm-content');
+  await content.click();
+  await page.keyboard.press('Control+End');
+  await page.keyboard.insertText('# mine\n');
+  await type('field-robot-tilt_limit', '1.25');
+  await holds('tilt_deg = 1.25');
+  await page.getByTestId('robot-save').click();
+  await saved();
+  expect(readFileSync(file, 'utf8')).toBe(`${PAPER.replace('tilt_deg = 1.5', 'tilt_deg = 1.25')}# mine\n`.replaceAll('\n', '\r\n'));
+});
+
+test('another robot is opened at its working height, and undo returns to the pose before', async () => {
+  await edit();
+  const height = () => page.getByTestId('field-height').inputValue();
+  await type('field-height', '510');
+  await open('bench.toml', STRANGE);
+  await until('its working height', async () => (await height()) === '250');
+  await undo();
+  await until('the pose before', async () => (await height()) === '510');
+});
+
 test('errors of the text are reported at their lines, and the last robot without errors remains', async () => {
   await edit();
   const content = page.getByTestId('text-robot').locator('.cm-content');

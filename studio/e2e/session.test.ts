@@ -303,6 +303,21 @@ test('another cell is opened and downloaded, and the files of the server remain'
   expect(readFileSync(fixture.cellFile, 'utf8')).toBe(EXAMPLE_CELL);
 });
 
+test('a cell and its program are opened together', async () => {
+  const other = EXAMPLE_CELL.replace(/^name = "[^"]*"/m, 'name = "other cell"');
+  const program = 'HOME\nGET LP1 SLOT 3 WITH B\n';
+  const file = (name: string, content: string) => ({ name, mimeType: 'text/plain', buffer: Buffer.from(content) });
+  await page.keyboard.press('Control+o');
+  const input = page.getByTestId('open-file');
+  await input.setInputFiles([file('one.program', program), file('two.program', program)]);
+  await page.getByTestId('open-problem').filter({ hasText: 'or a work cell with its program' }).waitFor();
+  await input.setInputFiles([file('other.program', program), file('other.toml', other)]);
+  await page.locator('dialog[open]').waitFor({ state: 'hidden' });
+  await until('the program is shown', async () => (await text()).includes('GET LP1 SLOT 3 WITH B'));
+  expect(await page.getByTestId('cell-file').innerText()).toBe('other.toml, not on the server');
+  await checkResult('passed');
+});
+
 test('a program is opened in the current cell, and undo returns to the previous one', async () => {
   await checkResult('passed');
   const before = await text();

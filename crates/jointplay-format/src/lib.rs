@@ -34,6 +34,7 @@ pub mod explain;
 pub mod expression;
 pub mod file_problem;
 pub mod json;
+mod line_ends;
 pub mod mechanism;
 pub mod number;
 pub mod place;

@@ -1,8 +1,8 @@
 //! Stations and bodies of cell files, added, duplicated and removed.
 
 use jointplay_format::cell::{
-    EXAMPLE, EntryAdded, EntryList, NewEntry, Problem, add_entry, duplicate_entry, read,
-    remove_entry,
+    Change, EXAMPLE, EntryAdded, EntryList, NewEntry, Problem, add_entry, duplicate_entry, read,
+    remove_entry, set_station,
 };
 use nalgebra::Vector3;
 
@@ -113,4 +113,21 @@ fn what_cannot_be_changed_is_refused_with_the_reason() {
     let station = NewEntry::Station { position: Vector3::zeros(), heading: 0.0 };
     let added = add_entry("station = 3\n", &station, &mut no_files);
     assert!(added.unwrap_err().to_string().contains("not a list"));
+}
+
+#[test]
+fn changed_cells_keep_the_line_ends_of_their_file() {
+    let text = EXAMPLE.replace('\n', "\r\n");
+    let added = add_entry(&text, &NewEntry::Body { position: Vector3::zeros() }, &mut no_files);
+    let copied = duplicate_entry(&text, EntryList::Arm, "upper", &mut no_files);
+    let station = duplicate_entry(&text, EntryList::Station, "LP1", &mut no_files).unwrap();
+    let removed = remove_entry(&station.text, EntryList::Station, "LP3").unwrap();
+    let moved = set_station(&text, "LP1", &[Change::Heading(0.5)]).unwrap();
+    for changed in [station.text, removed.clone(), moved]
+        .into_iter()
+        .chain([added, copied].into_iter().flatten().map(|it| it.text))
+    {
+        assert_eq!(changed.matches('\n').count(), changed.matches("\r\n").count());
+    }
+    assert_eq!(removed, text);
 }

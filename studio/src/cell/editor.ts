@@ -6,6 +6,7 @@ import { lintGutter, setDiagnostics, type Diagnostic } from '@codemirror/lint';
 import { EditorState, StateEffect, StateField, Transaction, type Extension } from '@codemirror/state';
 import { Decoration, drawSelection, EditorView, highlightActiveLineGutter, keymap, lineNumbers, type DecorationSet } from '@codemirror/view';
 import { tags } from '@lezer/highlight';
+import { withLineEnds, withoutReturns } from '../lib/lineEnds';
 
 export interface EditorDiagnostic {
   line: number;
@@ -95,11 +96,14 @@ const done = (act: () => void) => () => {
 
 export class Editor {
   readonly #view: EditorView;
+  /** The text with the line ends of its file. */
+  #text: string;
   #running = 0;
   /** Whether the current change is not caused by typing. */
   #given = false;
 
   constructor(host: HTMLElement, language: 'toml' | { keywords: readonly string[] }, label: string, text: string, { typed, save, undone, redone }: EditorEvents) {
+    this.#text = text;
     const extensions: Extension[] = [
       lineNumbers(),
       highlightActiveLineGutter(),
@@ -121,7 +125,9 @@ export class Editor {
       keymap.of([...defaultKeymap, ...historyKeymap, indentWithTab]),
       EditorView.contentAttributes.of({ 'aria-label': label, 'aria-description': 'Tab indents. Press Escape, then Tab to leave the editor.', spellcheck: 'false', tabindex: '0' }),
       EditorView.updateListener.of((update) => {
-        if (update.docChanged && !this.#given) typed(update.state.doc.toString());
+        if (!update.docChanged || this.#given) return;
+        this.#text = withLineEnds(update.state.doc.toString(), this.#text);
+        typed(this.#text);
       }),
     ];
     this.#view = new EditorView({ parent: host, state: EditorState.create({ doc: text, extensions }) });
@@ -132,7 +138,9 @@ export class Editor {
   }
 
   /** Replaces the text, changing only the part that differs. */
-  set text(text: string) {
+  set text(whole: string) {
+    this.#text = whole;
+    const text = withoutReturns(whole);
     const now = this.#view.state.doc.toString();
     if (now === text) return;
     let start = 0;

@@ -362,12 +362,12 @@ export class WorkcellSession {
 
   // Files
 
-  /** Opens a cell file of this browser, with an empty program; undo returns to the previous texts. */
-  async open(name: string, cell: string): Promise<void> {
+  /** Opens a cell file of this browser with a program, by default an empty one; undo returns to the previous texts. */
+  async open(name: string, cell: string, program = ''): Promise<void> {
     await this.#completeBefore(name);
     this.#store();
     this.#leaveCell();
-    this.texts = { cell, program: '' };
+    this.texts = { cell, program };
     this.teaching.points = {};
     this.opened = { name, texts: this.texts };
     this.commit();

@@ -8,6 +8,7 @@ import { History } from '../lib/history';
 import type { CameraPose } from '../lib/hashParts';
 import type { MechanismTab } from '../lib/mechanismLink';
 import { KINDS, rememberFile } from '../lib/recentFiles';
+import { closesLoops } from '../lib/loopsFile';
 import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
 import { textOf } from '../lib/textFile';
 import { MechanismAnalyses, type Analysis } from './analyses.svelte';
@@ -203,6 +204,8 @@ class MechanismSession {
         this.notice = `The file of loops has errors: ${diagnostics.map(({ line, message }) => `line ${line}: ${message}`).join('; ')}`;
         return false;
       }
+      // That of the previous mechanism, if the view was closed in the meantime.
+      this.camera = null;
       this.#model = kind === 'model' ? { name, text } : null;
       const title = kind === 'model' || kind === 'three_rods' ? name.replace(/\.\w+$/, '') + '.toml' : name;
       this.work = { name: title, text: opened.text, parameters: {}, ofServer, saved: opened.text };
@@ -235,15 +238,14 @@ class MechanismSession {
       this.notice = `${large} ${LARGER_MODEL}`;
       return;
     }
-    if (files.length > 2) {
-      this.notice = 'Open one file, or a model with the file that closes its loops.';
-      return;
-    }
     try {
       const texts = await Promise.all(files.map(async (file) => ({ name: file.name, text: await textOf(file) })));
-      const isLoops = ({ name, text }: Model) => /\.ya?ml$/i.test(name) || /^\s*kind\s*=\s*["']loops["']/m.test(text);
-      const loops = texts.find(isLoops);
-      const other = texts.find((one) => one !== loops);
+      const loops = texts.find(closesLoops);
+      const [other, more] = texts.filter((one) => one !== loops);
+      if (more) {
+        this.notice = 'Open one file, or a model with the file that closes its loops.';
+        return;
+      }
       if (other) {
         const isOpen = await this.open(other.name, other.text, loops?.text ?? null);
         const kind = KINDS.find((one) => one === this.opened?.kind);
@@ -368,6 +370,7 @@ class MechanismSession {
       const { version } = await api.saveMechanism(text, overwrite ? null : this.#version);
       this.#version = version;
       this.diskConflict = false;
+      this.notice = null;
       if (this.work.ofServer) this.work = { ...this.work, saved: text };
       this.drafts.store();
     } catch (error) {

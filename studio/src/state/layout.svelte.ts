@@ -77,8 +77,8 @@ class Layout {
   cellLink = $state.raw<CellLink | null>(null);
   /** Whether the dialog for opening files is shown. */
   openShown = $state(false);
-  /** A file that was dropped on the page, for the dialog to open. */
-  droppedFile = $state.raw<File | null>(null);
+  /** Files that were dropped on the page, for the dialog to open. */
+  droppedFiles = $state.raw<readonly File[]>([]);
   /** Whether the robot file is shown next to the view. */
   robotEditor = $state(false);
   /** A link to the view of mechanisms that is still to be opened. */

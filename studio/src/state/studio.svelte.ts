@@ -209,7 +209,7 @@ export class Studio {
   undo(): Promise<void> {
     return this.#enqueueStep(() => {
       // Changes that wait for the server are no step yet.
-      if (!this.file.cancelChanges()) this.#restore(this.#history.undo());
+      return this.file.cancelChanges() ? undefined : this.#restore(this.#history.undo());
     });
   }
 
@@ -218,20 +218,24 @@ export class Studio {
   }
 
   /** Undo steps are processed in order, each after all pending requests. */
-  #enqueueStep(step: () => void): Promise<void> {
+  #enqueueStep(step: () => void | Promise<void>): Promise<void> {
     this.#steps = this.#steps.then(() => this.file.settled()).then(() => this.settled()).then(step);
     return this.#steps;
   }
 
-  #restore(document: Document | undefined): void {
+  async #restore(document: Document | undefined): Promise<void> {
     if (!document) return;
     const before = this.document;
     this.document = document;
     this.notice = null;
     this.player.detach();
     this.#updateHistory();
-    if (document.robotFile !== null) this.file.restore(document.robotFile);
-    this.#requestPose(document.command);
+    if (document.robotFile !== null) {
+      this.file.restore(document.robotFile);
+      // The limits of the robot that was shown do not hold for the restored pose.
+      await this.file.settled();
+    }
+    this.#requestPose(this.document.command);
     this.#updateStudy(before);
     this.rememberLink();
   }
@@ -241,12 +245,14 @@ export class Studio {
     const before = { print: this.#identity?.print, robot: JSON.stringify(this.robot) };
     const { work } = this.file;
     const isOther = this.document.robotFile !== null && this.document.robotFile.opened !== work?.opened;
+    // Another robot has other lengths: its pose is that of a start with its file.
+    const command = isOther ? initialDocument(millimetres(robot.working_height_m), degrees(robot.limits.tilt_max_rad)).command : this.document.command;
     if (isOther) this.#fitsScale = true;
     if (this.document.robotFile === null) {
       // The loaded text is no change.
       this.document = { ...this.document, robotFile: work };
       this.#history.replace(this.document);
-    } else this.document = { ...this.document, robotFile: work };
+    } else this.document = { ...this.document, robotFile: work, command };
     this.robot = robot;
     if (before.robot === JSON.stringify(robot)) return;
     if (this.player.sample === null) this.#requestPose(this.document.command, 'slide');

@@ -9,6 +9,7 @@ use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
 use super::described::{self, Described, TABLES, is_called};
 use super::problem::{Fault, Problem};
 use crate::file_problem::FileProblem;
+use crate::line_ends;
 use crate::place::{Error, Form};
 use crate::units::{deg, mm, shift};
 
@@ -94,7 +95,7 @@ pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String,
         apply(&mut station, change);
     }
     described::check_unchanged(station.table, name, &expressions).map_err(at_start)?;
-    Ok(document.to_string())
+    Ok(line_ends::as_before(document.to_string(), text))
 }
 
 /// A text as a document that keeps its comments.
@@ -186,7 +187,7 @@ pub fn note_station(text: &str, name: &str, touching: &[[String; 2]]) -> Result<
             _ => {}
         }
     }
-    Ok(document.to_string())
+    Ok(line_ends::as_before(document.to_string(), text))
 }
 
 /// Keys of the noise of taught points.

@@ -8,6 +8,7 @@ use super::problem::{Error, Problem};
 use super::values::Units;
 use super::write::write_virtual_joint;
 use crate::file_problem::FileProblem;
+use crate::line_ends;
 use crate::place::Form;
 
 /// Directions in files have components of this resolution, and points of this many metres.
@@ -60,7 +61,7 @@ pub fn with_virtual_joints(
         names.push(tidy.name.clone());
         write_virtual_joint(&mut written, mechanism, &tidy, units);
     }
-    Ok(written)
+    Ok(line_ends::as_before(written, text))
 }
 
 /// A name that files accept and that differs from all others.
@@ -153,6 +154,7 @@ mod tests {
         let written =
             with_virtual_joints(&text, &file.mechanism, file.units, &joints(), &[]).unwrap();
         assert!(written.starts_with(&text));
+        assert_eq!(written.matches('\n').count(), written.matches("\r\n").count());
         assert_eq!(parse(&written).unwrap().mechanism.virtual_joints().len(), 2);
     }
 

@@ -4,6 +4,7 @@ use toml_edit::{Array, Document, DocumentMut, Item, Table, TableLike, Value};
 
 use super::{Error, Errors, Problem, parse_with, short};
 use crate::file_problem::FileProblem;
+use crate::line_ends;
 use crate::place::{Form, nearest};
 use crate::units::{deg, mm, um};
 
@@ -239,7 +240,7 @@ pub fn with_dimensions(text: &str, changes: &[(Dimension, f64)]) -> Result<Strin
             }
         }
     }
-    Ok(document.to_string())
+    Ok(line_ends::as_before(document.to_string(), text))
 }
 
 fn limb_table(document: &mut DocumentMut, limb: usize) -> Option<&mut dyn TableLike> {
@@ -328,8 +329,7 @@ mod tests {
             (Dimension::Parameter("r".to_owned()), 81.0, "r = 80 #", "r = 81.0 #"),
             (Dimension::BaseY(1), 0.061, ", 60]", ", 61.0]"),
         ] {
-            let found = changed(text, dimension, value).replace("\r\n", "\n");
-            assert_eq!(found, text.replacen(from, to, 1).replace("\r\n", "\n"));
+            assert_eq!(changed(text, dimension, value), text.replacen(from, to, 1));
         }
         let listed = dimensions(text);
         assert_eq!(listed.parameters, [("r".to_owned(), 80.0)]);

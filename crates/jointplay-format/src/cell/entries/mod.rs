@@ -27,6 +27,7 @@ use super::edit::{document, inline, number, point};
 use super::files::Files;
 use super::problem::{Fault, Problem};
 use crate::file_problem::FileProblem;
+use crate::line_ends;
 use crate::place::{Error, nearest};
 use crate::units::deg;
 pub use added::EntryAdded;
@@ -114,9 +115,13 @@ pub fn add_entry(text: &str, entry: &NewEntry, files: &mut Files) -> Result<Entr
             ];
             ("body", "body-1", values)
         }
-        NewEntry::Arm => return arms::add(&mut document, text, files).map_err(at_start),
+        NewEntry::Arm => {
+            let added = arms::add(&mut document, text, files).map_err(at_start)?;
+            return Ok(added.in_text(text));
+        }
         NewEntry::Effector { arm } => {
-            return arms::add_effector(&mut document, arm, text, files).map_err(at_start);
+            let added = arms::add_effector(&mut document, arm, text, files).map_err(at_start)?;
+            return Ok(added.in_text(text));
         }
     };
     let name = Names::of(&document).take(base);
@@ -127,7 +132,7 @@ pub fn add_entry(text: &str, entry: &NewEntry, files: &mut Files) -> Result<Entr
         table.insert(key, Item::Value(value));
     }
     lists::append(document.as_table_mut(), key, table).map_err(at_start)?;
-    Ok(EntryAdded { text: document.to_string(), name })
+    Ok(EntryAdded { text: document.to_string(), name }.in_text(text))
 }
 
 /// Duplicates an entry after itself under another name, with everything attached to it.
@@ -155,7 +160,8 @@ pub fn duplicate_entry(
         EntryList::Arm => arms::duplicate(document, name, text, files),
         EntryList::Effector => arms::duplicate_effector(document, name),
     };
-    duplicated.map_err(|fault| Error::at(text, 0..0, fault))
+    let duplicated = duplicated.map_err(|fault| Error::at(text, 0..0, fault))?;
+    Ok(duplicated.in_text(text))
 }
 
 fn duplicate(document: &mut DocumentMut, list: EntryList, name: &str) -> Result<EntryAdded, Fault> {
@@ -189,7 +195,8 @@ pub fn remove_entry(text: &str, list: EntryList, name: &str) -> Result<String, P
         EntryList::Arm => arms::remove(document, name),
         EntryList::Effector => arms::remove_effector(document, name),
     };
-    removed.map_err(|fault| Error::at(text, 0..0, fault))
+    let removed = removed.map_err(|fault| Error::at(text, 0..0, fault))?;
+    Ok(line_ends::as_before(removed, text))
 }
 
 fn remove(document: &mut DocumentMut, list: EntryList, name: &str) -> Result<String, Fault> {

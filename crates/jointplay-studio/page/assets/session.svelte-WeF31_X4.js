@@ -1,0 +1,1 @@
+export{n as session}from"./session.svelte-B4JZ5-FE.js";
