@@ -9,9 +9,9 @@ use nalgebra::Vector3;
 
 use super::allowed_collisions::ClearanceRule;
 use super::distance_bound::{DirectionGap, DistanceBound};
-use super::interval_motion_bound::IntervalMotionBound;
+use super::interval_motion_bound::{IntervalMotionBound, PairMotion};
 use super::link_poses::LinkPoses;
-use super::motion_bound::{DisplacementBound, MotionBoundModel};
+use super::motion_bound::MotionBoundModel;
 use super::motion_bound_coefficients::MotionBoundCoefficients;
 use super::object::Parent;
 use super::sampled_step::SampledStep;
@@ -90,7 +90,6 @@ impl<'p> PairAccumulator<'p> {
 }
 
 /// Bound coefficients of the relative motion of a pair.
-#[derive(Clone, Copy)]
 pub(crate) struct RelativeMotion {
     /// Sums of the coefficients of both objects, without those of the common ancestor.
     pub(crate) coefficients: MotionBoundCoefficients,
@@ -131,21 +130,22 @@ impl StepDistanceQuery<'_> {
                 | ClearanceRule::SlotClearance(clearance) => clearance,
                 ClearanceRule::Unchecked | ClearanceRule::KeepOut => 0.0,
             };
-            // A fixed object does not move against the world.
-            let against_fixed = || RelativeMotion {
-                coefficients: self.coefficients[pair.objects[0]],
-                ancestor: Parent::World,
+            let (coefficients, ancestor) = match self.relative.get(index) {
+                Some(RelativeMotion { coefficients, ancestor }) => (coefficients, *ancestor),
+                // A fixed object does not move against the world.
+                None => (&self.coefficients[pair.objects[0]], Parent::World),
             };
-            let relative = self.relative.get(index).copied().unwrap_or_else(against_fixed);
             let mut query = PairQuery {
                 query: self,
                 pair,
                 limit: (required - CONTACT_RESOLUTION).max(0.0),
-                relative,
+                coefficients,
+                ancestor,
                 minimum: pairs.minima[index],
                 violating: Vec::new(),
                 direction: pairs.directions[index],
                 direction_changes: 0,
+                has_first_distance: false,
             };
             for run in &runs {
                 if let Err(pose) = query.check_run(run) {
@@ -211,7 +211,9 @@ struct PairQuery<'q, 'a> {
     pair: &'q CandidatePair,
     /// Distance at which the pair violates its rule: the required clearance less the resolution (m).
     limit: f64,
-    relative: RelativeMotion,
+    coefficients: &'a MotionBoundCoefficients,
+    /// Last body that carries both objects.
+    ancestor: Parent,
     /// Minimum distance (m) and its time (s) so far.
     minimum: Option<(f64, f64)>,
     violating: Vec<DistanceSample>,
@@ -219,6 +221,8 @@ struct PairQuery<'q, 'a> {
     direction: Option<Vector3<f64>>,
     /// Number of evaluations that changed the direction.
     direction_changes: usize,
+    /// Whether distances at the ends of an interval were evaluated for a minimum and a separating direction, if they are relevant.
+    has_first_distance: bool,
 }
 
 impl PairQuery<'_, '_> {
@@ -239,26 +243,45 @@ impl PairQuery<'_, '_> {
         left: &mut DistanceBound,
         right: &mut DistanceBound,
     ) -> Result<(), UnknownPose> {
-        // Bounds in the order of their cost: spheres, separating direction, exact distances.
-        let motion = self.motion_bound(&interval);
+        // Bounds in the order of their cost: spheres, separating direction, droop in the interval, exact distances.
+        let motion = self.motion().bound(&interval);
         if DistanceBound::between(left, right, motion) > self.relevant_distance() {
             return Ok(());
         }
         self.refine_lower_bound(interval.start, left)?;
         self.refine_lower_bound(interval.end, right)?;
-        let bound = DistanceBound::between(left, right, motion);
-        let along_direction = self.separating_direction_bound(&interval, left, right, motion)?;
-        if bound.max(along_direction) > self.relevant_distance() {
+        let chord_deviation = self.motion().chord_deviation(&interval);
+        let mut motion = motion;
+        if self.lower_bound(&interval, left, right, motion, chord_deviation)?
+            > self.relevant_distance()
+        {
             return Ok(());
+        }
+        let rigid = motion.with_deflection(0.0, 0.0);
+        if motion.deflection > 0.0
+            && self.lower_bound(&interval, left, right, rigid, chord_deviation)?
+                > self.relevant_distance()
+        {
+            motion = self.motion().with_droop_in_interval(&interval, motion)?;
+            if self.lower_bound(&interval, left, right, motion, chord_deviation)?
+                > self.relevant_distance()
+            {
+                return Ok(());
+            }
+        }
+        if !self.has_first_distance {
+            // A minimum and a separating direction rule out many intervals, and save their bisection.
+            self.has_first_distance = true;
+            self.evaluate_if_relevant(interval.start, left)?;
+            self.evaluate_if_relevant(interval.end, right)?;
+            return self.certify_interval(interval, left, right);
         }
         if interval.len() == 1 {
             self.evaluate_if_relevant(interval.start, left)?;
             self.evaluate_if_relevant(interval.end, right)?;
             // Between samples only violations are searched for, not minimum distances.
-            let bound = DistanceBound::between(left, right, motion);
-            let along_direction =
-                self.separating_direction_bound(&interval, left, right, motion)?;
-            if bound.max(along_direction) > self.limit {
+            let bound = self.lower_bound(&interval, left, right, motion, chord_deviation)?;
+            if bound > self.limit {
                 return Ok(());
             }
             self.evaluate(interval.start, left)?;
@@ -358,7 +381,7 @@ impl PairQuery<'_, '_> {
         let query = &*self.query;
         let poses = query.sampled.link_poses(sample)?;
         let colliders = query.colliders(poses, self.pair.objects);
-        let direction = query.scene.rotation_of(self.relative.ancestor, poses) * direction;
+        let direction = query.scene.rotation_of(self.ancestor, poses) * direction;
         let gap = DirectionGap::new(colliders, &direction, direction_changes, &poses.normal);
         bound.along_direction = Some(gap);
         Ok(bound.along_direction)
@@ -387,7 +410,7 @@ impl PairQuery<'_, '_> {
         let query = &mut *self.query;
         let poses = query.sampled.link_poses(sample)?;
         let [a, b] = query.colliders(poses, self.pair.objects);
-        let rotation = query.scene.rotation_of(self.relative.ancestor, poses);
+        let rotation = query.scene.rotation_of(self.ancestor, poses);
         let guess = self.direction.map(|direction| rotation * direction);
         let found = separation(a, b, guess.as_ref());
         let distance = found.distance;
@@ -434,54 +457,35 @@ impl PairQuery<'_, '_> {
         })
     }
 
-    fn motion_bound(&self, interval: &Range<usize>) -> IntervalMotionBound {
-        let StepDistanceQuery { sampled, bounds, .. } = &*self.query;
-        let travel = sampled.axis_travel(interval);
-        let coefficients = &self.relative.coefficients;
-        let DisplacementBound {
-            platform,
-            arms,
-            deflection,
-            lateral_deflection,
-            platform_deflection,
-        } = bounds.displacement(coefficients, &travel);
-        let [from, to] = [interval.start, interval.end].map(|k| sampled.times()[k]);
-        let variation = bounds.velocity_variation(coefficients, &travel);
-        let normal_rotation = travel.normal_rotation.min(1.0);
-        // A common platform moves both alike: of its motion only the change of the deflections in its frame counts.
-        let (platform, by_rotation) = if self.relative.ancestor == Parent::World {
-            (platform, normal_rotation * arms)
-        } else {
-            (platform_deflection, 0.0)
-        };
-        IntervalMotionBound {
-            total: platform + arms + deflection,
-            along_normal: platform + deflection + by_rotation,
-            platform,
-            deflection,
-            lateral_deflection,
-            normal_rotation,
-            chord_deviation: 0.25 * (to - from) * variation,
+    /// Motion of the pair, for its bounds.
+    fn motion(&self) -> PairMotion<'_> {
+        let StepDistanceQuery { scene, sampled, bounds, .. } = &*self.query;
+        PairMotion {
+            scene,
+            sampled,
+            bounds,
+            coefficients: self.coefficients,
+            ancestor: self.ancestor,
         }
     }
 
-    /// Lower bound of the distance in an interval by the gap along the last separating direction (m).
-    ///
-    /// A coordinate whose velocity varies by `v` in all deviates from the chord between two times by `v dt / 4` at most.
-    fn separating_direction_bound(
+    /// Lower bound of the distance in an interval by the distances at its ends, and by the gap along the last separating direction (m).
+    fn lower_bound(
         &self,
         interval: &Range<usize>,
         left: &mut DistanceBound,
         right: &mut DistanceBound,
         motion: IntervalMotionBound,
+        chord_deviation: f64,
     ) -> Result<f64, UnknownPose> {
+        let bound = DistanceBound::between(left, right, motion);
         let ends =
             [self.direction_gap(interval.start, left)?, self.direction_gap(interval.end, right)?];
-        let [Some(left), Some(right)] = ends else { return Ok(f64::NEG_INFINITY) };
+        let [Some(left), Some(right)] = ends else { return Ok(bound) };
         let (gap, vertical) = (left.signed.min(right.signed), left.vertical.max(right.vertical));
         // Deflections are mostly vertical: only their part along the direction counts.
         let vertical_ratio = (vertical + motion.normal_rotation).min(1.0);
         let deflection = vertical_ratio * motion.deflection + motion.lateral_deflection;
-        Ok(gap - motion.chord_deviation - 2.0 * (motion.platform + deflection))
+        Ok(bound.max(gap - chord_deviation - 2.0 * (motion.platform + deflection)))
     }
 }

@@ -24,7 +24,7 @@
 //! | `object`, `scene` | collision objects, what they are attached to, and their poses |
 //! | `allowed_collisions` | required clearance of each pair |
 //! | `sample_windows`, `sampled_step`, `axis_states`, `link_poses`, `unknown_pose` | axis states and link poses of a step at its samples |
-//! | `motion_bound_coefficients`, `in_plane_motion`, `motion_bound` | upper bounds of the travel of any point between two samples |
+//! | `motion_bound_coefficients`, `deflection_coefficients`, `in_plane_motion`, `motion_bound` | upper bounds of the travel of any point between two samples |
 //! | `swept_aabb`, `broad_phase` | boxes around the path of each object, candidate pairs |
 //! | `distance_bound`, `adaptive_bisection` | distances of candidate pairs over a step |
 
@@ -32,6 +32,7 @@ mod adaptive_bisection;
 mod allowed_collisions;
 mod axis_states;
 mod broad_phase;
+mod deflection_coefficients;
 mod distance_bound;
 mod in_plane_motion;
 mod interval_motion_bound;
@@ -54,9 +55,10 @@ pub(crate) use adaptive_bisection::{
 pub(crate) use allowed_collisions::ClearanceRule;
 pub(crate) use axis_states::AxisStates;
 pub(crate) use broad_phase::{BroadPhase, CandidatePairs};
+pub(crate) use deflection_coefficients::droop_bounds;
 pub(crate) use link_poses::{LinkPoses, PoseError};
 pub(crate) use motion_bound::MotionBoundModel;
-pub(crate) use motion_bound_coefficients::{MotionBoundCoefficients, droop_bounds};
+pub(crate) use motion_bound_coefficients::MotionBoundCoefficients;
 pub(crate) use sample_windows::SampleWindows;
 pub(crate) use sampled_step::SampledStep;
 pub(crate) use scene::Scene;

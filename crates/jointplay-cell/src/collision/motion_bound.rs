@@ -51,6 +51,13 @@ pub(crate) struct AxisTravel<'a> {
 }
 
 impl AxisTravel<'_> {
+    /// Each axis that moves, with its travel, back and forth added up (m or rad).
+    pub(super) fn paths(&self) -> impl Iterator<Item = (usize, f64)> + Clone {
+        let [first, last] = self.samples;
+        let path = move |sums: &Vec<[f64; 3]>| sums[last][0] - sums[first][0];
+        self.moving.iter().zip(self.sums).map(move |(&axis, sums)| (axis, path(sums)))
+    }
+
     /// Each axis that moves, with its travel, back and forth added up (m or rad), ∫|q̈| dt (m/s or rad/s) and ∫q̇² dt (m²/s or rad²/s).
     fn axes(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
         let [first, last] = self.samples;

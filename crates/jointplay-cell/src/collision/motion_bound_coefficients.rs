@@ -2,15 +2,10 @@
 
 use nalgebra::Vector3;
 
+use super::deflection_coefficients::{DeflectionCoefficients, joints_of_constant_reach, max_slide};
 use super::object::{CollisionObject, Parent};
-use crate::robot::{Arm, ArmJoint, AxisKind, EffectorId, HybridRobot, MAX_AXES};
-use crate::wafer::{Droop, DroopBounds, MIN_REACH};
+use crate::robot::{Arm, AxisKind, EffectorId, HybridRobot, MAX_AXES};
 use crate::workcell::Cell;
-
-/// Tilt up to which the motion of deflected arms is bounded at least (rad).
-///
-/// Bounds hold up to the larger of this tilt and the robot's limit; the check reports a tilt beyond that limit as a violation.
-const MIN_BOUNDED_TILT: f64 = std::f64::consts::FRAC_PI_3;
 
 /// Upper bounds of the travel of any point of an object per unit of each axis.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +24,8 @@ pub(crate) struct MotionBoundCoefficients {
     pub(super) rigid_radius: f64,
     /// Largest deflection of a point (m).
     max_deflection: f64,
+    /// What the coefficients of the deflection are computed from, for one or both objects on arms that deflect.
+    pub(super) deflections: [Option<DeflectionCoefficients>; 2],
 }
 
 /// Largest distances of an object's points from the points that it rotates about.
@@ -103,18 +100,11 @@ impl MotionBoundCoefficients {
             platform_deflection: one.platform_deflection + other.platform_deflection,
             rigid_radius: one.rigid_radius + other.rigid_radius,
             max_deflection: one.max_deflection + other.max_deflection,
+            deflections: [one.deflections[0], other.deflections[0]],
         }
     }
 
     /// Coefficients by the joints after the first `common_joints`, and by the deflection of the arm, which all of its joints change.
-    ///
-    /// ```text
-    ///    |δ̇|  ≤  f' |ϱ̇|  +  a (φ' |ϱ̇| + φ |v̇| / max(|v|, r₀) + φ |ψ̇|)  +  |ω| (f + a φ)
-    /// ```
-    /// Symbols as in the chapter "Deflection" of `docs/explanation/collision-guarantee.md`:
-    /// δ: displacement of a point by the deflection; a: its distance from the wafer's centre (`from_center`); ϱ: reach, the extension of the arm from its first joint to that centre;
-    /// f, φ: drop and slope at the reach (`droop.value`), f', φ': their derivatives with respect to it (`droop.by_reach`); v: horizontal part of the reach, r₀: [`MIN_REACH`], with φ / max(|v|, r₀) ≤ `slope_per_reach`;
-    /// ψ: rotation of the last link (`at_last`); ω: rotation of the common ancestor (`at_common`).
     fn with_deflection(cell: &Cell, extent: ObjectExtent, common_joints: usize) -> Self {
         let robot = &cell.robot;
         let ObjectExtent { parent, from_origin, from_center } = extent;
@@ -122,31 +112,21 @@ impl MotionBoundCoefficients {
         let (Parent::Effector(id) | Parent::DeflectedLastLink(id)) = parent else {
             return coefficients;
         };
-        let arm = &robot.arms[id.arm];
-        if arm.droop == Droop::Rigid {
-            return coefficients;
-        }
-        // A rotation about the first joint does not change the extension.
-        let first = usize::from(arm.joints[0].kind == AxisKind::Rotary);
+        let first = joints_of_constant_reach(&robot.arms[id.arm]);
         let center = Self::without_deflection(robot, Parent::Effector(id), 0.0, first).arms;
-        let [at_first, at_last, at_common] =
-            [first, arm.joints.len(), common_joints].map(|joints| rotation_ratios(arm, joints));
-        let (droop, height) = (droop_bounds(cell, id), height_of(arm, id));
-        let max_tilt = robot.gpr.limits().tilt_max.max(MIN_BOUNDED_TILT);
-        let spread = (1.0 + height * max_tilt.sin() / MIN_REACH) / max_tilt.cos();
-        let turn = droop.slope_per_reach * spread;
-        let size = droop.value.drop + from_center * droop.value.slope;
+        let deflection = DeflectionCoefficients::new(robot, id, from_center, common_joints, center);
+        let Some(deflection) = deflection else {
+            return coefficients;
+        };
+        let droop = deflection.droop(cell);
         for axis in 0..MAX_AXES {
-            let rotated = droop.value.slope * (spread * at_first[axis] + at_last[axis]);
-            let lateral = from_center * ((droop.by_reach.slope + turn) * center[axis] + rotated)
-                + at_common[axis] * size;
-            coefficients.lateral_deflection[axis] = lateral;
-            coefficients.deflection[axis] = droop.by_reach.drop * center[axis] + lateral;
+            let by_axis = deflection.by_axis(&droop, axis);
+            coefficients.deflection[axis] = by_axis.total;
+            coefficients.lateral_deflection[axis] = by_axis.lateral;
         }
-        let from_first_joint = max_extension(robot, id) + height;
-        coefficients.platform_deflection =
-            size + from_center * (droop.value.slope + turn * from_first_joint);
-        coefficients.max_deflection = size;
+        coefficients.platform_deflection = deflection.by_platform(&droop);
+        coefficients.max_deflection = deflection.largest(&droop);
+        coefficients.deflections = [Some(deflection), None];
         coefficients
     }
 
@@ -222,39 +202,9 @@ impl MotionBoundCoefficients {
             platform_deflection: 0.0,
             rigid_radius,
             max_deflection: 0.0,
+            deflections: [None; 2],
         }
     }
-}
-
-/// Upper bounds of the droop of an arm, loaded or not.
-pub(crate) fn droop_bounds(cell: &Cell, id: EffectorId) -> DroopBounds {
-    let extension = max_extension(&cell.robot, id);
-    cell.robot.arms[id.arm].droop.at_most(extension, cell.wafer.mass(), cell.gravity)
-}
-
-/// Largest extension of an arm: distance of the wafer's centre from the first joint in the arm's plane (m).
-fn max_extension(robot: &HybridRobot, id: EffectorId) -> f64 {
-    let arm = &robot.arms[id.arm];
-    let [x, y, _] = arm.effectors[id.effector].wafer_center;
-    let last = arm.joints.len() - 1;
-    let links = arm.joints[..last].iter().map(|joint| joint.length.hypot(joint.offset));
-    let slides = arm.joints.iter().map(|joint| max_slide(robot, joint));
-    links.chain(slides).sum::<f64>() + x.hypot(y)
-}
-
-/// Distance of an effector's wafer from the plane of the first joint (m).
-fn height_of(arm: &Arm, id: EffectorId) -> f64 {
-    let rises: f64 = arm.joints.iter().map(|joint| joint.rise).sum();
-    (rises + arm.effectors[id.effector].wafer_center[2]).abs()
-}
-
-/// Magnitude of the rotation after the first `joints` of an arm per unit of each axis.
-fn rotation_ratios(arm: &Arm, joints: usize) -> [f64; MAX_AXES] {
-    let mut ratios = [0.0_f64; MAX_AXES];
-    for joint in arm.joints[..joints].iter().filter(|joint| joint.kind == AxisKind::Rotary) {
-        joint.drives.iter().for_each(|&(axis, ratio)| ratios[axis] += ratio);
-    }
-    ratios.map(f64::abs)
 }
 
 /// The last body that carries two moving objects.
@@ -294,20 +244,4 @@ fn share_proximal_axes(one: &Arm, other: &Arm) -> bool {
         }
         _ => false,
     }
-}
-
-/// Largest displacement of a prismatic joint (m).
-fn max_slide(robot: &HybridRobot, joint: &ArmJoint) -> f64 {
-    if joint.kind == AxisKind::Rotary {
-        return 0.0;
-    }
-    let most: f64 = joint
-        .drives
-        .iter()
-        .map(|&(axis, ratio)| {
-            let axis = &robot.axes[axis];
-            ratio.abs() * axis.min.abs().max(axis.max.abs())
-        })
-        .sum();
-    joint.zero.abs() + most
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use jointplay_core::spatial::Pose;
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::link_poses::{LinkPoses, PoseError};
 use super::object::{CollisionObject, Parent, Role};
@@ -181,6 +181,16 @@ impl<'a> Scene<'a> {
             Parent::Effector(id) => &poses.poses[self.tip_of(id) + 1],
         };
         PlacedCollider { collider: &object.collider, base_from_parent }
+    }
+
+    /// Reach of an arm: distance of the wafer's centre from the first joint, in the plane of the arm and without its deflection (m).
+    pub(super) fn reach(&self, EffectorId { arm, effector }: EffectorId, poses: &LinkPoses) -> f64 {
+        let described = &self.cell.robot.arms[arm];
+        let last = &poses.poses[self.first_of(arm) + self.last_link(arm)];
+        let center = last * Point3::from(described.effectors[effector].wafer_center);
+        let joint = poses.base_from_platform * Point3::from(described.mount);
+        let out = center - joint;
+        (out - poses.normal * out.dot(&poses.normal)).norm()
     }
 
     /// Rotation of a parent in the base frame without the deflection of arms; identity for the world and for slots.
