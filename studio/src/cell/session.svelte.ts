@@ -213,7 +213,8 @@ export class WorkcellSession {
     if (!this.#drafts) return;
     // A draft of another version of the files is offered, and not applied.
     if (this.#drafts.current?.version !== this.#version) this.#drafts.postpone();
-    const { current, earlier } = this.#drafts;
+    const { earlier } = this.#drafts;
+    const current = this.#drafts.takeUp();
     if (current) this.#takeDraft(current);
     else if (earlier && (earlier.cell !== this.texts.cell || earlier.program !== this.texts.program)) this.draft = { restored: false, draft: earlier };
   }

@@ -28,6 +28,25 @@ test('a draft belongs to one cell file, or to one kind of files', () => {
   expect(robots.current).toEqual(text('bench.toml'));
 });
 
+/** Before, a page that had saved its file removed the unsaved text of another page. */
+test('a page removes its own draft only', () => {
+  const [one, other] = [DraftStore.ofCell('a'), DraftStore.ofCell('a')];
+  one.store(cell('HOME\n# one\n'));
+  other.remove();
+  expect(one.current?.program).toBe('HOME\n# one\n');
+  other.store(cell('HOME\n# other\n'));
+  one.remove();
+  expect(other.current?.program).toBe('HOME\n# other\n');
+  other.remove();
+  expect(other.current).toBeNull();
+  // A draft of an earlier visit that a page continues is its own.
+  one.store(cell());
+  const later = DraftStore.ofCell('a');
+  expect(later.takeUp()).toEqual(cell());
+  later.remove();
+  expect(later.current).toBeNull();
+});
+
 test('a draft of an earlier visit is not overwritten by new edits', () => {
   for (const store of [DraftStore.ofText('robot'), DraftStore.ofText('mechanism')]) {
     store.store(text('first'));

@@ -34,6 +34,8 @@ export interface CellDraft extends Stored {
 export class DraftStore<T extends Stored> {
   readonly #key: string;
   readonly #isDraft: (value: Partial<T>) => boolean;
+  /** The draft that this page stored or took up last: another page of the browser may have stored its own since then. */
+  #own: string | null = null;
 
   private constructor(key: string, isDraft: (value: Partial<T>) => boolean) {
     this.#key = `draft.${key}`;
@@ -70,12 +72,23 @@ export class DraftStore<T extends Stored> {
     return this.#load(this.#earlierKey);
   }
 
-  store(draft: T): void {
-    if (JSON.stringify(draft).length <= LONGEST) save(this.#key, draft);
+  /** The current draft, which this page continues. */
+  takeUp(): T | null {
+    const { current } = this;
+    this.#own = JSON.stringify(current);
+    return current;
   }
 
+  store(draft: T): void {
+    const stored = JSON.stringify(draft);
+    if (stored.length > LONGEST) return;
+    save(this.#key, draft);
+    this.#own = stored;
+  }
+
+  /** Removes the draft of this page; that of another page remains. */
   remove(): void {
-    remove(this.#key);
+    if (JSON.stringify(this.current) === this.#own) remove(this.#key);
   }
 
   removeEarlier(): void {
@@ -87,7 +100,7 @@ export class DraftStore<T extends Stored> {
     const { current } = this;
     if (current === null) return;
     save(this.#earlierKey, current);
-    this.remove();
+    remove(this.#key);
   }
 }
 

@@ -1,0 +1,1 @@
+export{n as session}from"./session.svelte-Cy6-WN7n.js";

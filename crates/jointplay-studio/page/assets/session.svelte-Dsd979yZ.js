@@ -1,0 +1,1 @@
+export{t as mechanismSession}from"./session.svelte-DS8TvTpA.js";

@@ -1,1 +1,0 @@
-export{n as session}from"./session.svelte-B4JZ5-FE.js";
