@@ -43,6 +43,13 @@ for (const { name, ready, shown, text } of VIEWS)
     await page.getByRole('button', { name, exact: true }).click();
     if (name === 'Mechanism') await page.getByTestId('entry-four-bar').click();
     await ready(page);
+    const atOnce = await page.evaluate(() => {
+      window.dispatchEvent(new Event('beforeprint'));
+      const found = { hidden: document.querySelector<HTMLCanvasElement>('.printed canvas')!.hidden, title: document.querySelector('.printed b')!.textContent };
+      window.dispatchEvent(new Event('afterprint'));
+      return found;
+    });
+    if (name !== 'Cell') expect(atOnce).toEqual({ hidden: false, title: expect.stringMatching(/./) });
     await page.emulateMedia({ media: 'print' });
     await until('the printed picture', async () => (await picture(page)).colors > 20);
     const { corner, width } = await picture(page);

@@ -17,6 +17,6 @@ export function withLineEnds(text: string, before: string): string {
   while (same < least - from && old[old.length - 1 - same] === lines[lines.length - 1 - same]) same += 1;
   const moved = old.length - lines.length;
   // A line that was changed alone keeps its end.
-  const end = (index: number) => (index < from || (moved === 0) ? ends[index] : index >= lines.length - same ? ends[index + moved] : undefined) ?? ends[0];
+  const end = (index: number) => (index < from || moved === 0 ? ends[index] : index >= lines.length - same ? ends[index + moved] : undefined) ?? ends[0];
   return lines.map((line, index) => (index === lines.length - 1 ? line : line + end(index))).join('');
 }

@@ -8,7 +8,7 @@ import type { SceneColours } from '../scene/palette';
 import { MechanismShapes, UP } from './mechanismShapes';
 
 /** Mechanisms with more joints have fewer faces in drafts. */
-const MANY = 24;
+const MOST_FINE = 24;
 const SHAPES = new MechanismShapes(1);
 const COARSE_SHAPES = new MechanismShapes(0.35);
 
@@ -69,7 +69,7 @@ export class MechanismModel {
   readonly #materials: MechanismMaterials;
   readonly #document: MechanismDocument;
   /** Shapes of the parts that are not drawn: those with fewer faces, or, while these are drawn, the others. */
-  readonly #coarse = new Map<Mesh, BufferGeometry>();
+  readonly #undrawn = new Map<Mesh, BufferGeometry>();
   #isCoarse = false;
 
   constructor(document: MechanismDocument, materials: MechanismMaterials) {
@@ -115,7 +115,7 @@ export class MechanismModel {
   dispose(): void {
     this.drawCoarsely(false);
     disposeGeometries(this.group);
-    for (const geometry of this.#coarse.values()) geometry.dispose();
+    for (const geometry of this.#undrawn.values()) geometry.dispose();
   }
 
   /** A mesh of several shapes: each mesh takes time in every picture, whatever its size. */
@@ -123,7 +123,7 @@ export class MechanismModel {
     const mesh = new Mesh(mergeGeometries(drawn(SHAPES))!, material);
     mesh.userData = { part: of, material };
     mesh.castShadow = true;
-    if (this.#document.joints.length > MANY) this.#coarse.set(mesh, mergeGeometries(drawn(COARSE_SHAPES))!);
+    if (this.#document.joints.length > MOST_FINE) this.#undrawn.set(mesh, mergeGeometries(drawn(COARSE_SHAPES))!);
     return mesh;
   }
 
@@ -131,8 +131,8 @@ export class MechanismModel {
   drawCoarsely(isCoarse: boolean): void {
     if (isCoarse === this.#isCoarse) return;
     this.#isCoarse = isCoarse;
-    for (const [mesh, geometry] of this.#coarse) {
-      this.#coarse.set(mesh, mesh.geometry);
+    for (const [mesh, geometry] of this.#undrawn) {
+      this.#undrawn.set(mesh, mesh.geometry);
       mesh.geometry = geometry;
     }
   }

@@ -41,7 +41,8 @@ class Printing {
     if (this.active) return;
     // The views take the light colors before the picture is rendered.
     flushSync(() => (this.active = true));
-    this.#render(canvas);
+    // A script that prints does not wait for later changes of the page.
+    flushSync(() => this.#render(canvas));
   }
 
   end(): void {
