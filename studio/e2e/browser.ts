@@ -17,6 +17,13 @@ const FLAGS = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swi
 /** Name of the environment variable with the address of the running browser. */
 export const RUNNING = 'JOINTPLAY_TEST_BROWSER';
 
+/**
+ * Timeout of every wait of a test [ms].
+ *
+ * Tests wait for a state of the page, however long a busy machine takes: expectations of the page are polled. `TIMEOUT_S` shortens the timeout during development.
+ */
+export const TIMEOUT_MS = Number(process.env.TIMEOUT_S ?? 240) * 1000;
+
 /** How a browser is started. */
 export function options(): LaunchOptions {
   const executablePath = CHROMIUMS.find((path) => path && existsSync(path));

@@ -47,18 +47,18 @@ test('the program is played by keyboard, slider and steps', async () => {
   await page.keyboard.press(' ');
   const stopped = await now();
   await frames(page);
-  expect(await now()).toBe(stopped);
+  await expect.poll(() => now()).toBe(stopped);
   await page.getByTestId('cell-time').fill('0');
-  expect(await now()).toBe(0);
+  await expect.poll(() => now()).toBe(0);
   await page.getByRole('tab', { name: 'Steps' }).click();
   await page.getByTestId('steps').getByRole('button', { name: /PUT ALIGN/ }).click();
-  expect(await now()).toBeGreaterThan(1);
-  expect(await page.getByTestId('cell-step').textContent()).toContain('line 3');
+  await expect.poll(() => now()).toBeGreaterThan(1);
+  await expect.poll(() => page.getByTestId('cell-step').textContent()).toContain('line 3');
   await page.getByTestId('steps').getByRole('button', { name: /lower/ }).first().click();
-  expect(await page.getByTestId('cell-step').textContent()).toContain('lower');
+  await expect.poll(() => page.getByTestId('cell-step').textContent()).toContain('lower');
   const gantt = (await page.getByTestId('gantt').boundingBox())!;
   await page.getByTestId('gantt').click({ position: { x: gantt.width - 40, y: 60 } });
-  expect(await page.getByTestId('cell-step').textContent()).toContain('line 4');
+  await expect.poll(() => page.getByTestId('cell-step').textContent()).toContain('line 4');
 });
 
 test('errors are marked in their lines', async () => {
@@ -74,7 +74,7 @@ test('a collision is listed and marked at its time, in its line and in the 3D vi
   await write('cell', EXAMPLE_CELL.replace('position_mm = [100.0, -600.0, 500.0]', 'position_mm = [-330.0, 330.0, 500.0]'));
   await checkResult('failed');
   const first = page.getByTestId('violations').getByRole('button').first();
-  expect(await first.textContent()).toContain('wall');
+  await expect.poll(() => first.textContent()).toContain('wall');
   await first.click();
   await page.getByTestId('current-violations').filter({ hasText: 'wall' }).waitFor();
   await page.getByTestId('text-program').locator('.cm-lintRange-warning').first().waitFor();
@@ -135,7 +135,7 @@ test('jogging an axis moves the 3D model and stops at limits with a message', as
   await page.getByTestId('field-jog-q1').fill('520');
   await page.getByTestId('field-jog-q1').press('Enter');
   await page.getByTestId('jog-stopped').filter({ hasText: 'tilt of' }).filter({ hasText: 'limit 1.5000°' }).waitFor();
-  expect(await value('q1')).toBeLessThan(520);
+  await expect.poll(() => value('q1')).toBeLessThan(520);
   await page.getByTestId('jog-release').click();
   await until('it is back in the program', async () => (await value('RA')) === -40 && (await page.getByTestId('jogged').count()) === 0);
   // The 3D view follows with its next frame.
@@ -202,7 +202,7 @@ test('a station is taught by position and by plane points, and undo restores it'
   for (let k = 0; k < 4; k += 1) await undo.click();
   await until('no point is left', async () => (await page.getByTestId('points-ALIGN').count()) === 0);
   await checkResult('passed');
-  expect(await text()).toBe(kept);
+  await expect.poll(() => text()).toBe(kept);
   await page.getByTestId('jog-release').click();
 });
 
@@ -229,10 +229,10 @@ async function drag(freedom: string, up: number, held: () => Promise<void> = asy
 test('a station is dragged by the handles of its degrees of freedom in one undo step', async () => {
   await choose('PM1');
   await until('the handles are there', async () => (await grip('x')) !== null);
-  expect(await grip('height'), 'its height comes from taught points').toBe(null);
+  await expect.poll(() => grip('height'), { message: 'its height comes from taught points' }).toBe(null);
   await choose('ALIGN');
   const z = async () => Number(await page.getByTestId('station-ALIGN-z').inputValue());
-  expect(await z()).toBe(600);
+  await expect.poll(() => z()).toBe(600);
   await drag('height', 12, async () => expect(await z(), 'the field follows').toBeGreaterThan(601));
   // The result is outdated from the drag until the new plan.
   await until('it is replanned', async () => (await checkState(page)) !== 'outdated' && (await z()) > 601);
@@ -256,7 +256,7 @@ test('wafers and bodies of a station move with it during a drag and after planni
     const moved = (await field('z')) - z;
     // Single precision at half a metre is 30 nm.
     for (const by of off(shown)) [0, 0, moved].forEach((value, i) => expect(by[i]).toBeCloseTo(value, 4));
-    expect(await origin('wall'), 'what is not of the station stays').toEqual(wall);
+    await expect.poll(() => origin('wall'), { message: 'what is not of the station stays' }).toEqual(wall);
   });
   await checkResult('passed');
   // Single precision is what the file of the picture has.
@@ -315,7 +315,7 @@ test('a selected part is highlighted in the 3D view, and its properties are list
   await page.getByTestId('parts').getByText('Bodies').click();
   await page.getByTestId('parts').getByRole('button', { name: 'blade-A' }).click();
   await until('it is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.selected())).includes('blade-A'));
-  expect(await page.getByTestId('properties').textContent()).toContain('300.00 mm × 220.00 mm × 3.00 mm');
+  await expect.poll(() => page.getByTestId('properties').textContent()).toContain('300.00 mm × 220.00 mm × 3.00 mm');
   await page.getByTestId('parts').getByText('Arm lower').click();
   await page.getByTestId('parts').getByRole('button', { name: 'lower whole arm' }).click();
   await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.selected())).includes('blade-B'));
@@ -325,7 +325,7 @@ test('a selected part is highlighted in the 3D view, and its properties are list
 test('positions and velocities are plotted over the time range of the chart', async () => {
   await page.getByTestId('cell-plots-toggle').click();
   await page.getByTestId('plot-revolute').locator('canvas').waitFor();
-  expect(await page.getByTestId('cell-plots').locator('figure').count()).toBe(7);
+  await expect.poll(() => page.getByTestId('cell-plots').locator('figure').count()).toBe(7);
   const box = (await page.getByTestId('plot-revolute').locator('.u-over').boundingBox())!;
   await page.getByTestId('plot-revolute').locator('.u-over').click({ position: { x: box.width / 2, y: box.height / 2 } });
   const at = await now();
@@ -336,7 +336,7 @@ test('positions and velocities are plotted over the time range of the chart', as
   const { axes } = await asked({ time_s: at });
   expect(Number(shown), 'the position at that time').toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 6);
   await page.getByTestId('plot-revolute').getByRole('button', { name: /^T\b/ }).click();
-  expect(await page.getByTestId('plot-revolute').getByRole('button', { name: /^T\b/ }).getAttribute('aria-pressed')).toBe('false');
+  await expect.poll(() => page.getByTestId('plot-revolute').getByRole('button', { name: /^T\b/ }).getAttribute('aria-pressed')).toBe('false');
   await page.getByTestId('plot-revolute').locator('.u-over').hover();
   await page.mouse.wheel(0, -200);
   await page.getByRole('button', { name: 'Fit time', exact: true }).click();
@@ -358,8 +358,8 @@ test('files that have changed on disk are overwritten only after confirmation', 
   await page.getByTestId('disk-conflict-show').click();
   const difference = page.getByTestId('disk-conflict-difference');
   await difference.first().waitFor();
-  expect([await difference.locator('.removed code').allTextContents(), await difference.locator('.added code').allTextContents()].map((lines) => lines.map((line) => /-49\d/.exec(line)?.[0]))).toEqual([['-493'], ['-492']]);
-  expect(await accessibilityViolations(page, '[data-testid=disk-conflict]')).toEqual([]);
+  await expect.poll(async () => [await difference.locator('.removed code').allTextContents(), await difference.locator('.added code').allTextContents()].map((lines) => lines.map((line) => /-49\d/.exec(line)?.[0]))).toEqual([['-493'], ['-492']]);
+  await expect.poll(() => accessibilityViolations(page, '[data-testid=disk-conflict]')).toEqual([]);
   await page.getByRole('button', { name: 'Reload from disk' }).click();
   await until('theirs is here', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-493');
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -390,7 +390,7 @@ test('an invalid cell is opened, its error is marked, and it is fixed', async ()
     await load(second, other.address);
     await second.getByTestId('diagnostics').getByText('tilts 2.000°').waitFor();
     await second.getByText('Fix the errors in the cell file to display the cell.').waitFor();
-    expect(await second.getByText('The cell has no stations.').count()).toBe(0);
+    await expect.poll(() => second.getByText('The cell has no stations.').count()).toBe(0);
     for (const part of ['The virtualizations are', 'Stations are']) await second.getByText(`${part} unavailable: fix the errors in the cell file first.`).waitFor();
     const line = EXAMPLE_CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;
     await second.getByTestId('diagnostics').getByRole('button', { name: `cell, line ${line}, column 8` }).click();
@@ -413,5 +413,5 @@ for (const [theme, tab] of [['light', 'Program'], ['light', 'Parts'], ['dark', '
   test(`no accessibility violations, ${theme} theme, tab ${tab}`, async () => {
     await page.getByLabel('Theme').selectOption(theme);
     await page.getByRole('tab', { name: tab }).click();
-    expect(await accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   });

@@ -56,20 +56,20 @@ async function tabTo(id: string, key = 'Tab') {
 
 test('an arm is deleted with its bodies, another one is added, and all is undone', async () => {
   // Two arms are the largest number.
-  expect(await button('add-arm').isDisabled()).toBe(true);
-  expect(await button('add-arm').getAttribute('title')).toContain('at most 2');
+  await expect.poll(() => button('add-arm').isDisabled()).toBe(true);
+  await expect.poll(() => button('add-arm').getAttribute('title')).toContain('at most 2');
   await open('upper');
   await arm('upper').click();
-  expect(await button('part-duplicate').isDisabled()).toBe(true);
+  await expect.poll(() => button('part-duplicate').isDisabled()).toBe(true);
   await button('part-delete').click();
   await drawn('blade-A', false);
   await waitForCheck(page, 'passed');
-  expect(await button('add-arm').isEnabled()).toBe(true);
+  await expect.poll(() => button('add-arm').isEnabled()).toBe(true);
   // The last arm cannot be deleted.
   await open('lower');
   await arm('lower').click();
-  expect(await button('part-delete').isDisabled()).toBe(true);
-  expect(await button('part-delete').getAttribute('title')).toContain('at least one arm');
+  await expect.poll(() => button('part-delete').isDisabled()).toBe(true);
+  await expect.poll(() => button('part-delete').getAttribute('title')).toContain('at least one arm');
   await button('add-arm').click();
   await drawn('arm-1-blade');
   await waitForCheck(page, 'passed');
@@ -78,12 +78,12 @@ test('an arm is deleted with its bodies, another one is added, and all is undone
   expect(text).toContain('[robot]');
   // The comment directly above a deleted body is deleted with it.
   for (const line of EXAMPLE_CELL.split('\n').filter((line) => line.trim().startsWith('#') && !line.startsWith('# Links of an arm'))) expect(text).toContain(line);
-  expect(await accessibilityViolations(page)).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   await undo();
   await drawn('arm-1-blade', false);
   await undo();
   await drawn('blade-A');
-  expect(await cellText()).toBe(EXAMPLE_CELL);
+  await expect.poll(() => cellText()).toBe(EXAMPLE_CELL);
   await waitForCheck(page, 'passed');
 });
 
@@ -126,7 +126,7 @@ test('an arm and an effector are duplicated and deleted by the keyboard alone', 
     await undo();
   }
   await drawn('blade-A');
-  expect(await cellText()).toBe(EXAMPLE_CELL);
+  await expect.poll(() => cellText()).toBe(EXAMPLE_CELL);
 });
 
 test('an effector is added to an arm by the keyboard alone, and removed by undo', async () => {
@@ -138,10 +138,10 @@ test('an effector is added to an arm by the keyboard alone, and removed by undo'
   await drawn('A2-blade');
   await waitForCheck(page, 'passed');
   await until('it is selected', async () => (await effector('A2').getAttribute('aria-pressed')) === 'true');
-  expect(await button('part-delete').isEnabled()).toBe(true);
+  await expect.poll(() => button('part-delete').isEnabled()).toBe(true);
   const text = await cellText();
   for (const line of EXAMPLE_CELL.split('\n').filter((line) => line.trim().startsWith('#'))) expect(text).toContain(line);
-  expect(await accessibilityViolations(page)).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   // Four effectors are the largest number.
   for (const name of ['A3', 'A4']) {
     await open('upper');
@@ -149,14 +149,14 @@ test('an effector is added to an arm by the keyboard alone, and removed by undo'
     await drawn(`${name}-blade`);
     await waitForCheck(page, 'passed');
   }
-  expect(await button('add-effector-upper').isDisabled()).toBe(true);
-  expect(await button('add-effector-upper').getAttribute('title')).toContain('at most 4');
+  await expect.poll(() => button('add-effector-upper').isDisabled()).toBe(true);
+  await expect.poll(() => button('add-effector-upper').getAttribute('title')).toContain('at most 4');
   for (let k = 0; k < 3; k += 1) {
     await waitForCheck(page, 'passed');
     await undo();
   }
   await drawn('A2-blade', false);
-  expect(await cellText()).toBe(EXAMPLE_CELL);
+  await expect.poll(() => cellText()).toBe(EXAMPLE_CELL);
   await waitForCheck(page, 'passed');
 });
 
@@ -169,16 +169,16 @@ test('the arms of a robot in a file of its own are not changed, with the reason'
   await waitForCheck(other, 'no_motion');
   await other.getByRole('tab', { name: 'Parts' }).click();
   const add = other.getByTestId('add-arm');
-  expect(await add.isDisabled()).toBe(true);
-  expect(await add.getAttribute('title')).toContain('my-arm.toml');
+  await expect.poll(() => add.isDisabled()).toBe(true);
+  await expect.poll(() => add.getAttribute('title')).toContain('my-arm.toml');
   await other.getByTestId('parts').locator('details.inner summary').click();
-  expect(await other.getByTestId('add-effector-arm').isDisabled()).toBe(true);
-  expect(await other.getByTestId('add-effector-arm').getAttribute('title')).toContain('my-arm.toml');
+  await expect.poll(() => other.getByTestId('add-effector-arm').isDisabled()).toBe(true);
+  await expect.poll(() => other.getByTestId('add-effector-arm').getAttribute('title')).toContain('my-arm.toml');
   for (const name of ['arm whole arm', 'A effector']) {
     await other.getByTestId('parts').getByRole('button', { name, exact: true }).click();
-    expect(await other.getByTestId('part-duplicate').isDisabled()).toBe(true);
-    expect(await other.getByTestId('part-delete').isDisabled()).toBe(true);
-    expect(await other.getByTestId('part-delete').getAttribute('title')).toContain('my-arm.toml');
+    await expect.poll(() => other.getByTestId('part-duplicate').isDisabled()).toBe(true);
+    await expect.poll(() => other.getByTestId('part-delete').isDisabled()).toBe(true);
+    await expect.poll(() => other.getByTestId('part-delete').getAttribute('title')).toContain('my-arm.toml');
   }
   await other.close();
 });

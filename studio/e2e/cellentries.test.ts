@@ -56,7 +56,7 @@ test('a station is duplicated with its bodies, and deleted again; comments remai
   expect(comments(text)).toEqual(comments(EXAMPLE_CELL));
   await page.getByTestId('part-delete').click();
   await until('LP3 is deleted', async () => (await part('LP3').count()) === 0);
-  expect(await cellText()).toBe(EXAMPLE_CELL);
+  await expect.poll(() => cellText()).toBe(EXAMPLE_CELL);
   await undo();
   await part('LP3').waitFor();
   await undo();
@@ -71,7 +71,7 @@ test('stations and bodies are added where robot and camera are', async () => {
   await page.getByTestId('add-body').click();
   await part('body-1').waitFor();
   await until('it is drawn', async () => (await partNames(page)).includes('body-1'));
-  expect(await accessibilityViolations(page)).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   await undo();
   await undo();
   await until('both are removed', async () => (await part('S1').count()) === 0 && (await part('body-1').count()) === 0);
@@ -107,8 +107,8 @@ test('undo cancels a pending change and not the step before', async () => {
   await until('the check is outdated', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'outdated');
   await undo();
   await waitForCheck(page, 'passed');
-  expect(await cellText()).toContain('wafers = "all"');
-  expect((await cellText()).match(/wafers = "all"/g)!.length).toBe(before.match(/wafers = "all"/g)!.length + 1);
+  await expect.poll(() => cellText()).toContain('wafers = "all"');
+  await expect.poll(async () => (await cellText()).match(/wafers = "all"/g)!.length).toBe(before.match(/wafers = "all"/g)!.length + 1);
   await page.unroute('**/api/v1/cell/entry');
   await undo();
   await until('the step before is undone', async () => !(await partNames(page)).includes('wafer of LP2 1'));
@@ -122,7 +122,7 @@ test('a station is taught by clicked points of bodies', async () => {
   const box = (await page.locator('.scene canvas').first().boundingBox())!;
   const points = async () => page.getByTestId('points-ALIGN').locator('li').count();
   for (let k = 0; k < 300 && (await points()) < 2; k += 1) await page.mouse.click(box.x + (0.3 + 0.4 * ((k * 0.618034) % 1)) * box.width, box.y + (0.3 + 0.4 * ((k + 0.5) / 300)) * box.height);
-  expect(await points()).toBe(2);
+  await expect.poll(() => points()).toBe(2);
   await page.getByTestId('plane-ALIGN').filter({ hasText: '2 of 3 points' }).waitFor();
   await page.keyboard.press('Escape');
   await until('clicks select again', async () => (await page.getByTestId('teach-ALIGN-click').getAttribute('aria-pressed')) === 'false');

@@ -39,16 +39,16 @@ test('each part is selected alone, described and highlighted by its kind', async
     await part('Bodies', name).click();
     await until(`the body ${name} is highlighted`, async () => (await selected()).join() === name);
     await page.getByTestId('properties').filter({ hasText: 'Attached to' }).waitFor();
-    expect(await page.getByTestId('parts').locator('button[aria-pressed=true]').count(), name).toBe(1);
-    expect(await page.evaluate(() => window.jointplay.probe.cell!.grip('height' as never)), `${name} has no handles of a station`).toBeNull();
+    await expect.poll(() => page.getByTestId('parts').locator('button[aria-pressed=true]').count(), { message: name }).toBe(1);
+    await expect.poll(() => page.evaluate(() => window.jointplay.probe.cell!.grip('height' as never)), { message: `${name} has no handles of a station` }).toBeNull();
   }
   await part('Stations', 'LP1').click();
   await until('the slots and the bodies of the station are highlighted', async () => (await selected()).filter((name) => /^LP1 \d+$/.test(name)).length === 25 && (await selected()).includes('LP1-back'));
-  expect(await selected()).not.toContain('LP1');
+  await expect.poll(() => selected()).not.toContain('LP1');
   await page.getByTestId('properties').filter({ hasText: 'Heading' }).waitFor();
   await part('Zones', 'optics').click();
   await page.getByTestId('properties').filter({ hasText: 'no body enters' }).waitFor();
-  expect(await part('Bodies', 'optics').getAttribute('aria-pressed')).toBe('false');
+  await expect.poll(() => part('Bodies', 'optics').getAttribute('aria-pressed')).toBe('false');
 });
 
 test('a link selects the part of its kind', async () => {
@@ -65,12 +65,12 @@ test('hiding and deleting a body leaves the station of its name', async () => {
   // The body is selected still.
   await page.getByTestId('part-hide').click();
   await until('the body is hidden', async () => !(await shown()).includes('LP1'));
-  expect(await shown()).toContain('LP1 1');
+  await expect.poll(() => shown()).toContain('LP1 1');
   await page.getByTestId('show-all').click();
   await page.getByTestId('part-delete').click();
   await until('the body is deleted', async () => (await part('Bodies', 'LP1').count()) === 0);
   await waitForCheck(page, 'passed');
-  expect(await part('Stations', 'LP1').count()).toBe(1);
+  await expect.poll(() => part('Stations', 'LP1').count()).toBe(1);
 });
 
 test('an isolated station keeps its bodies', async () => {
@@ -99,7 +99,7 @@ test('an arm is hidden with the bodies on its links, and an isolated link keeps 
 
 test('a contact highlights the touching parts, and no other part with the name of one', async () => {
   const violating = () => page.evaluate(() => window.jointplay.probe.cell!.violating());
-  expect(await violating()).toEqual([]);
+  await expect.poll(() => violating()).toEqual([]);
   await page.getByTestId('jog-stop').uncheck();
   for (const [axis, to] of [['T', '-90'], ['RA', '60']] as const) {
     await page.getByTestId(`field-jog-${axis}`).fill(to);
@@ -107,6 +107,6 @@ test('a contact highlights the touching parts, and no other part with the name o
   }
   await page.getByTestId('jog-distances').locator('tr', { hasText: 'wall' }).filter({ hasText: 'contact' }).first().waitFor();
   await until('the blade is highlighted', async () => (await violating()).includes('body:blade-A'));
-  expect(await violating()).toContain('body:wall');
-  expect(await violating()).not.toContain('zone:wall');
+  await expect.poll(() => violating()).toContain('body:wall');
+  await expect.poll(() => violating()).not.toContain('zone:wall');
 });

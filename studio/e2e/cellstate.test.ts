@@ -29,7 +29,7 @@ const plots = () => page.getByTestId('cell-plots').getAttribute('data-state');
 test('budget and plots are marked while the robot is jogged and while the check is outdated', async () => {
   await page.getByTestId('cell-plots-toggle').click();
   await page.getByTestId('plot-play').locator('canvas').waitFor();
-  expect(await plots()).toBe('current');
+  await expect.poll(() => plots()).toBe('current');
   await page.getByTestId('field-jog-T').fill('20');
   await page.getByTestId('field-jog-T').press('Enter');
   await page.getByTestId('jogged').waitFor();
@@ -42,7 +42,7 @@ test('budget and plots are marked while the robot is jogged and while the check 
   await page.keyboard.press('Control+End');
   await page.keyboard.insertText('WAIT 1\n');
   await until('the plots are outdated', async () => (await plots()) === 'outdated');
-  expect(await page.getByTestId('cell-play-budget').getAttribute('data-outdated')).toBe('true');
+  await expect.poll(() => page.getByTestId('cell-play-budget').getAttribute('data-outdated')).toBe('true');
   await page.unroute('**/api/v1/cell/plan');
   await page.locator('.files').getByRole('button', { name: 'Undo' }).click();
   await waitForCheck(page, 'passed');
@@ -70,7 +70,7 @@ test('only the left button chooses a time range', async () => {
   await page.mouse.down({ button: 'right' });
   await page.mouse.move(box.x + 0.6 * box.width, y, { steps: 4 });
   await page.mouse.up({ button: 'right' });
-  expect(await page.getByRole('button', { name: 'Fit time' }).count()).toBe(0);
+  await expect.poll(() => page.getByRole('button', { name: 'Fit time' }).count()).toBe(0);
 });
 
 test('measured points move with their parts', async () => {
@@ -95,7 +95,7 @@ test('measured points move with their parts', async () => {
   expect(before).toContain('Δx');
   await page.getByTestId('cell-time').fill(String(0.4 * Number(await page.getByTestId('cell-time').getAttribute('max'))));
   await until('the distance is another one', async () => (await measured()) !== before);
-  expect(await measured()).toContain(link);
+  await expect.poll(() => measured()).toContain(link);
   await page.getByTestId('measure').click();
 });
 
@@ -112,7 +112,7 @@ test('a film ends when the motion is paused, and when the view is left', async (
     expect(download.suggestedFilename()).toMatch(/^mine\.(mp4|webm)$/);
   };
   await record(() => page.getByTestId('cell-play').click());
-  expect(await page.getByTestId('cell-stop-recording').count()).toBe(0);
+  await expect.poll(() => page.getByTestId('cell-stop-recording').count()).toBe(0);
   await record(() => page.getByRole('button', { name: 'Robot', exact: true }).click());
   await page.getByRole('button', { name: 'Cell', exact: true }).click();
   await until('the cell is drawn again', async () => (await partNames(page)).length > 0);
@@ -126,7 +126,7 @@ test('an export that is cancelled downloads nothing, and another one can follow'
   await page.getByTestId('cell-export-csv').click();
   await until('the request is pending', async () => held !== null);
   await page.getByTestId('cell-export').click();
-  expect(await page.getByTestId('cell-export-csv').isDisabled()).toBe(true);
+  await expect.poll(() => page.getByTestId('cell-export-csv').isDisabled()).toBe(true);
   await page.keyboard.press('Escape');
   await page.getByTestId('cell-export-cancel').click();
   await until('nothing is exported', async () => (await page.getByTestId('cell-export').textContent()) === 'Export');
@@ -158,7 +158,7 @@ test('the chart of the axes shows which part of the motion is not loaded', async
     await route.continue();
   });
   const loading = () => page.getByTestId('gantt').getAttribute('data-loading');
-  expect(await loading()).toBe('false');
+  await expect.poll(() => loading()).toBe('false');
   await load(page, fixture.server.address);
   await waitForCheck(page, 'passed');
   await until('the chart has a gap', async () => (await loading()) === 'true');
@@ -183,12 +183,12 @@ part = [
 test('an arm without bodies is listed as not checked for collisions', async () => {
   const unchecked = () => page.getByTestId('unchecked').allTextContents();
   const result = () => page.getByTestId('check-result').locator('.good, .soft').first().textContent();
-  expect([await unchecked(), await result()]).toEqual([[], 'No violations of reach, limits, slip, collision or zones.']);
+  await expect.poll(async () => [await unchecked(), await result()]).toEqual([[], 'No violations of reach, limits, slip, collision or zones.']);
   const bare = await cellFixture('HOME\nTRANSFER LP SLOT 1 TO REST\nHOME\n', BARE);
   try {
     await load(page, bare.server.address);
     await waitForCheck(page, 'passed');
-    expect([await unchecked(), await result()]).toEqual([['Not checked for collisions: arm “arm”. The cell file has no bodies for it.'], 'No violations in what was checked.']);
+    await expect.poll(async () => [await unchecked(), await result()]).toEqual([['Not checked for collisions: arm “arm”. The cell file has no bodies for it.'], 'No violations in what was checked.']);
     await page.getByTitle('Length unit').selectOption('inch');
     await until('distances are in inches', async () => /^0\.\d+ in$/.test((await page.getByTestId('check-result').locator('xpath=..').locator('td.number').first().textContent()) ?? ''));
   } finally {
@@ -212,7 +212,7 @@ test('lengths of violations, their places, jog and parts are in the display unit
     expect(Number(/wall-5mm.*? depth of ([\d.]+) in/.exec(shown)![1])).toBeCloseTo(depth / 25.4, 3);
     expect(shown).not.toMatch(/\d (mm|µm)/);
     await until('the violation at the current time is in inches', async () => / [\d.]+ in\b/.test((await page.getByTestId('current-violations').textContent()) ?? ''));
-    expect((await page.getByTestId('current-violations').textContent())!).not.toMatch(/\d (mm|µm)/);
+    await expect.poll(async () => (await page.getByTestId('current-violations').textContent())!).not.toMatch(/\d (mm|µm)/);
     await page.getByTitle('Length unit').selectOption('mm');
   } finally {
     await page.goto('about:blank');

@@ -108,10 +108,10 @@ test('a link opens the same time, selection, play scale and camera', async () =>
       const found = await other.evaluate(() => window.jointplay.probe.cell!.camera()!);
       return [...found.eye, ...found.target].every((value, k) => Math.abs(value - [...seen.eye, ...seen.target][k]!) < 1e-4);
     });
-    expect(await other.getByRole('tab', { name: 'Steps' }).getAttribute('aria-selected')).toBe('true');
+    await expect.poll(() => other.getByRole('tab', { name: 'Steps' }).getAttribute('aria-selected')).toBe('true');
     await other.getByTestId('steps').getByRole('button', { expanded: true, name: /PUT ALIGN/ }).waitFor();
     await until('PM1 is selected', async () => (await other.evaluate(() => window.jointplay.probe.cell!.selected())).length > 0);
-    expect(await other.getByTestId('play-scale-note').textContent()).toBe(await page.getByTestId('play-scale-note').textContent());
+    await expect.poll(() => other.getByTestId('play-scale-note').textContent()).toBe(await page.getByTestId('play-scale-note').textContent());
   } finally {
     await other.context().close();
   }
@@ -129,7 +129,7 @@ test('the play of the platform is shown at each time, enlarged in the picture on
   const own = play.models.find(({ model }) => model.virtualization === play.virtualization)!.answer;
   expect(own.displacement_m, 'the platform is tilted at LP2').toBeGreaterThan(1e-6);
   await until('the displacement is that of the server', async () => Math.abs(Number(await page.getByTestId('cell-play-budget').getAttribute('data-value')) - own.displacement_m) < 2e-8);
-  expect(await page.getByTestId('cell-play-budget').textContent()).toContain(`${((100 * own.displacement_m) / play.budget_m).toFixed(0)} % of the budget`);
+  await expect.poll(() => page.getByTestId('cell-play-budget').textContent()).toContain(`${((100 * own.displacement_m) / play.budget_m).toFixed(0)} % of the budget`);
   const before = await origin('platform');
   for (const k of [0, 1]) expect(before[k]).toBeCloseTo(own.center_shift_m[k]!, 6);
   await page.getByTestId('cell-play-scale').fill('1000');
@@ -205,7 +205,7 @@ test('distances are measured between two clicked points, and a section plane cut
   await page.getByTestId('section').selectOption('x');
   await page.getByTestId('section-at').fill('0');
   await until('stations that are cut away have no labels', async () => (await stationLabels()) === 'LP1,LP2');
-  expect(await accessibilityViolations(page)).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   await page.getByTestId('section').selectOption('');
 });
 
@@ -229,8 +229,8 @@ test('the keyboard sheet is that of this view', async () => {
   await page.keyboard.press('?');
   const sheet = page.getByRole('dialog');
   await sheet.getByText('isolate the selected part').waitFor();
-  expect(await sheet.textContent()).toContain('measure the distance');
-  expect(await accessibilityViolations(page)).toEqual([]);
+  await expect.poll(() => sheet.textContent()).toContain('measure the distance');
+  await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   await page.keyboard.press('Escape');
 });
 
@@ -242,20 +242,20 @@ test('violations are grouped by pair with their places, and a motion with violat
   await waitForCheck(page, 'failed');
   const groups = page.getByTestId('violations').locator(':scope > li');
   const { report } = (await (await fetch(`${fixture.server.address}api/v1/cell/plan`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ cell: CELL.replace('position_mm = [100.0, -600.0, 500.0]', 'position_mm = [-330.0, -330.0, 500.0]'), program: PROGRAM }) })).json()) as { report: { violation_groups: { count: number; occurrences: { line: number }[] }[] } };
-  expect(await groups.count()).toBe(report.violation_groups.length);
-  expect(await groups.first().locator('.count').first().textContent()).toBe(String(report.violation_groups[0]!.count));
+  await expect.poll(() => groups.count()).toBe(report.violation_groups.length);
+  await expect.poll(() => groups.first().locator('.count').first().textContent()).toBe(String(report.violation_groups[0]!.count));
   await groups.first().locator('summary').click();
   const place = groups.first().locator('details li button').first();
-  expect(await place.textContent()).toContain(`line ${report.violation_groups[0]!.occurrences[0]!.line}: `);
+  await expect.poll(() => place.textContent()).toContain(`line ${report.violation_groups[0]!.occurrences[0]!.line}: `);
   await place.click();
   await page.getByTestId('current-violations').first().waitFor();
   for (const theme of ['light', 'dark']) {
     await page.getByLabel('Theme').selectOption(theme);
-    expect(await accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   }
   await page.getByTestId('cell-export').click();
-  expect(await page.getByTestId('cell-export-csv').isDisabled()).toBe(true);
-  expect(await accessibilityViolations(page, '.menu')).toEqual([]);
+  await expect.poll(() => page.getByTestId('cell-export-csv').isDisabled()).toBe(true);
+  await expect.poll(() => accessibilityViolations(page, '.menu')).toEqual([]);
   await page.getByTestId('cell-export-despite').check();
   const awaited = page.waitForEvent('download');
   await page.getByTestId('cell-export-csv').click();

@@ -97,7 +97,7 @@ async function compare(page: Page): Promise<void> {
   await page.getByTestId('take-reference').click();
   await page.getByTestId('reference-overlaid').focus();
   await page.keyboard.press('ArrowDown');
-  expect(await page.getByTestId('reference-separate').isChecked()).toBe(true);
+  await expect.poll(() => page.getByTestId('reference-separate').isChecked()).toBe(true);
   await page.getByTestId('value-A').fill('60');
   await page.getByTestId('value-A').press('Enter');
   await until('driven', async () => Math.abs(Number(await page.locator('[data-testid=compare-A] td').nth(2).textContent()) - 60) < 1e-6);
@@ -114,7 +114,7 @@ const move = async (page: Page, from: { x: number; y: number }, by: [number, num
 test('reference and shown mechanism are side by side with one camera, and only the shown one is moved', async () => {
   await at(1440, 900, 'light', async (page) => {
     await compare(page);
-    expect([await page.getByTestId('reference-name').textContent(), await page.locator('.title.shown').textContent()]).toEqual(['Reference: Planar four-bar linkage', 'Shown: Planar four-bar linkage']);
+    await expect.poll(async () => [await page.getByTestId('reference-name').textContent(), await page.locator('.title.shown').textContent()]).toEqual(['Reference: Planar four-bar linkage', 'Shown: Planar four-bar linkage']);
     const { panes: [shown, reference] } = await probe(page);
     expect([reference!.right, reference!.top, reference!.bottom]).toEqual([shown!.left, shown!.top, shown!.bottom]);
     // Both halves have pixels of the linkage.
@@ -125,13 +125,13 @@ test('reference and shown mechanism are side by side with one camera, and only t
       const [a, b] = [await onPage(page, joint), await referenceOnPage(page, joint)];
       return Math.hypot(a.x - b.x - (shown!.left - reference!.left), a.y - b.y);
     };
-    expect(await offset('D')).toBeLessThan(1e-6);
-    expect(await offset('B')).toBeGreaterThan(20);
+    await expect.poll(() => offset('D')).toBeLessThan(1e-6);
+    await expect.poll(() => offset('B')).toBeGreaterThan(20);
     // Orbiting in the left half changes both.
     await move(page, { x: reference!.left + 40, y: reference!.bottom - 80 }, [90, -40]);
     const turned = await view(page);
     for (const { changed } of await shares(turned.picture, turned.parts, first.picture)) expect(changed).toBeGreaterThan(CHANGED_SHARE);
-    expect(await offset('D')).toBeLessThan(1e-6);
+    await expect.poll(() => offset('D')).toBeLessThan(1e-6);
     // The wheel zooms to the cursor in its half.
     const before = await referenceOnPage(page, 'C');
     await page.mouse.move(before.x, before.y);
@@ -146,8 +146,8 @@ test('reference and shown mechanism are side by side with one camera, and only t
     const { joints: kept, camera } = await probe(page);
     await move(page, await referenceOnPage(page, 'B'), [10, 60]);
     await frames(page);
-    expect((await probe(page)).joints).toEqual(kept);
-    expect((await probe(page)).camera).not.toEqual(camera);
+    await expect.poll(async () => (await probe(page)).joints).toEqual(kept);
+    await expect.poll(async () => (await probe(page)).camera).not.toEqual(camera);
     // A drag in the right half moves the link, and the reference stays where it is.
     await page.getByRole('button', { name: 'Fit', exact: true }).click();
     await frames(page);
@@ -155,7 +155,7 @@ test('reference and shown mechanism are side by side with one camera, and only t
     await move(page, await onPage(page, 'B'), [20, -60]);
     await rests(page);
     await until('dragged', async () => Math.hypot(...(await probe(page)).joints['B']!.map((value, k) => value - kept['B']![k]!)) > 0.01);
-    expect(await referenceOnPage(page, 'B')).toEqual(from);
+    await expect.poll(() => referenceOnPage(page, 'B')).toEqual(from);
     const dragged = await view(page);
     const [right] = await shares(dragged.picture, dragged.parts, still.picture);
     expect(right!.changed).toBeGreaterThan(CHANGED_SHARE);
@@ -164,7 +164,7 @@ test('reference and shown mechanism are side by side with one camera, and only t
     const { x, y } = await referenceOnPage(page, 'C');
     await page.mouse.click(x, y);
     await page.locator('[data-testid=tree-joint-C][aria-pressed=true]').waitFor();
-    expect(await accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   });
 });
 
@@ -188,9 +188,9 @@ test('both halves are exported with their names, and the choice is remembered', 
     const panes = async () => (await probe(page)).panes.length;
     await page.locator('body').press('b');
     await until('one pane', async () => (await panes()) === 1);
-    expect(await page.getByTestId('reference-hidden').isChecked()).toBe(true);
+    await expect.poll(() => page.getByTestId('reference-hidden').isChecked()).toBe(true);
     await page.locator('body').press('b');
-    expect(await page.getByTestId('reference-overlaid').isChecked()).toBe(true);
+    await expect.poll(() => page.getByTestId('reference-overlaid').isChecked()).toBe(true);
     await page.locator('body').press('b');
     await until('two panes', async () => (await panes()) === 2);
     await page.getByTestId('clear-reference').click();
@@ -220,8 +220,8 @@ test('another mechanism is drawn at the same scale, as large as both halves allo
     const { panes: [own, other], joints } = await probe(page);
     const isIn = ({ x, y }: { x: number; y: number }, pane: Rectangle) => x > pane.left && x < pane.right && y > pane.top && y < pane.bottom;
     for (const name of Object.keys(joints)) expect(isIn(await onPage(page, name), own!), name).toBe(true);
-    for (const name of Object.keys(bars)) expect(isIn(await referenceOnPage(page, name), other!), name).toBe(true);
-    expect(await accessibilityViolations(page)).toEqual([]);
+    for (const name of Object.keys(bars)) await expect.poll(async () => isIn(await referenceOnPage(page, name), other!), { message: name }).toBe(true);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   });
 });
 
@@ -239,7 +239,7 @@ test('in a narrow window, the reference is above the shown mechanism', async () 
     await move(page, await onPage(page, 'B'), [15, -25]);
     await rests(page);
     await until('dragged', async () => Math.hypot(...(await probe(page)).joints['B']!.map((value, k) => value - joints['B']![k]!)) > 0.005);
-    expect(await accessibilityViolations(page)).toEqual([]);
-    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(390);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(390);
   });
 });

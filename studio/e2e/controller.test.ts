@@ -54,10 +54,10 @@ test('a robot is seen where its host moves it', async () => {
   await until('the wafer is picked', async () => /Effector A\s+wafer/.test(await text('controller-axes')));
   await until('the motion has ended', async () => /GET LP1 3 A: Completed/.test(await text('controller-events')));
   expect(answers).toContain('COMPLETED 4.035 GET LP1 3 A');
-  expect(await accessibilityViolations(page)).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   if (process.env.PICTURES) await page.screenshot({ path: `${process.env.PICTURES}/controller.png` });
   await page.getByTestId('controlled').getByRole('button', { name: 'Return to program' }).click();
-  expect(await page.getByTestId('controller-shown').isChecked()).toBe(false);
+  await expect.poll(() => page.getByTestId('controller-shown').isChecked()).toBe(false);
   host.destroy();
   await page.getByTestId('controller-waiting').waitFor();
   expect(unhandled(heard)).toEqual([]);

@@ -40,23 +40,23 @@ async function intoTheWall(): Promise<void> {
 test('a jogged pose without contact lists its minimum distances and highlights nothing', async () => {
   await until('the cell is drawn', async () => (await partNames(page)).length > 0);
   await state('passed');
-  expect(await page.getByTestId('jog-stop').isChecked(), 'the safe choice is the first').toBe(true);
+  await expect.poll(() => page.getByTestId('jog-stop').isChecked(), { message: 'the safe choice is the first' }).toBe(true);
   const rows = await page.getByTestId('jog-distances').locator('td:last-child').allTextContents();
   const distances = rows.map((row) => Number(/^([\d.]+) mm$/.exec(row)![1]));
   expect(distances.length).toBeGreaterThan(0);
   expect(distances).toEqual([...distances].sort((a, b) => a - b));
-  expect(await marked()).toEqual([]);
+  await expect.poll(() => marked()).toEqual([]);
 });
 
 test('with "Stop at contact" the robot stops before the wall', async () => {
   await intoTheWall();
   await page.getByTestId('jog-stopped').filter({ hasText: 'wall' }).filter({ hasText: 'would touch' }).waitFor();
-  expect(await value('RA')).toBeGreaterThan(-40);
-  expect(await value('RA')).toBeLessThan(59);
+  await expect.poll(() => value('RA')).toBeGreaterThan(-40);
+  await expect.poll(() => value('RA')).toBeLessThan(59);
   // It does not touch, but is nearer than the clearance that the cell asks for.
   await state('violations');
   await page.getByTestId('jog-violations').filter({ hasText: 'wall' }).waitFor();
-  expect(await marked()).toEqual([]);
+  await expect.poll(() => marked()).toEqual([]);
 });
 
 test('a blade in contact with the wall is a violation, and both are highlighted', async () => {
@@ -64,13 +64,13 @@ test('a blade in contact with the wall is a violation, and both are highlighted'
   await set('RA', 60);
   await until('it is in the wall', async () => (await value('RA')) === 60);
   await state('violations');
-  expect(await page.getByTestId('jog-stopped').innerText()).toBe('');
+  await expect.poll(() => page.getByTestId('jog-stopped').innerText()).toBe('');
   await page.getByTestId('jog-violations').locator('li', { hasText: 'blade-A' }).filter({ hasText: 'wall' }).waitFor();
   await page.getByTestId('jog-distances').locator('tr', { hasText: 'wall' }).filter({ hasText: 'contact' }).first().waitFor();
   await page.getByTestId('current-violations').filter({ hasText: 'wall' }).waitFor();
-  for (const name of ['wall', 'blade-A']) expect(await marked()).toContain(`body:${name}`);
+  for (const name of ['wall', 'blade-A']) await expect.poll(() => marked()).toContain(`body:${name}`);
   if (process.env.SCREENSHOT) await page.screenshot({ path: process.env.SCREENSHOT });
-  expect(await accessibilityViolations(page)).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page)).toEqual([]);
 });
 
 test('the check of the pose is outdated while a newer response is pending', async () => {
@@ -81,15 +81,15 @@ test('the check of the pose is outdated while a newer response is pending', asyn
   });
   await page.getByRole('button', { name: 'Decrease RA by 1 °' }).click();
   await state('outdated');
-  expect(await page.getByTestId('jog-check').innerText()).toContain('Outdated');
-  expect(await page.evaluate(() => window.jointplay.probe.cell!.violationColor()), 'the marks lose their colour').toBe('8a9099');
+  await expect.poll(() => page.getByTestId('jog-check').innerText()).toContain('Outdated');
+  await expect.poll(() => page.evaluate(() => window.jointplay.probe.cell!.violationColor()), { message: 'the marks lose their colour' }).toBe('8a9099');
   await until('the answer is there', async () => {
     for (const go of held.splice(0)) go();
     return (await page.getByTestId('jog-check').getAttribute('data-state')) === 'violations';
   });
   await page.unroute('**/cell/jog');
-  expect(await page.evaluate(() => window.jointplay.probe.cell!.violationColor())).toBe('d62f1f');
-  expect(await value('RA')).toBe(59);
+  await expect.poll(() => page.evaluate(() => window.jointplay.probe.cell!.violationColor())).toBe('d62f1f');
+  await expect.poll(() => value('RA')).toBe(59);
 });
 
 test('teaching in contact requires a confirmation and adds a comment to the file', async () => {
@@ -98,10 +98,10 @@ test('teaching in contact requires a confirmation and adds a comment to the file
   await teach.click();
   const asked = page.getByTestId('contact-LP2');
   await asked.filter({ hasText: 'wall' }).filter({ hasText: 'blade-A' }).waitFor();
-  expect(await page.getByTestId('save').isDisabled(), 'nothing is changed').toBe(true);
+  await expect.poll(() => page.getByTestId('save').isDisabled(), { message: 'nothing is changed' }).toBe(true);
   await asked.getByRole('button', { name: 'Cancel' }).click();
   await until('the question is closed', async () => (await asked.count()) === 0);
-  expect(await page.getByTestId('save').isDisabled()).toBe(true);
+  await expect.poll(() => page.getByTestId('save').isDisabled()).toBe(true);
   // The question is about this pose: another one withdraws it.
   await teach.click();
   await asked.waitFor();
@@ -121,7 +121,7 @@ test('a plane point taught in contact requires a confirmation, and its comment s
   await page.getByTestId('teach-ALIGN-point').evaluate((button: HTMLElement) => button.closest('details')!.querySelector('summary')!.click());
   await page.getByTestId('teach-ALIGN-point').click();
   await page.getByTestId('contact-ALIGN').filter({ hasText: 'wall' }).waitFor();
-  expect(await page.getByTestId('points-ALIGN').count(), 'no point is taken yet').toBe(0);
+  await expect.poll(() => page.getByTestId('points-ALIGN').count(), { message: 'no point is taken yet' }).toBe(0);
   await page.getByTestId('contact-confirm').click();
   await until('the point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === 1);
   await page.getByTestId('text-cell').locator('.cm-line', { hasText: NOTE }).waitFor();
@@ -129,7 +129,7 @@ test('a plane point taught in contact requires a confirmation, and its comment s
   await until('it is out of the wall', async () => (await value('RA')) === 20 && (await page.getByTestId('jog-check').getAttribute('data-state')) === 'passed');
   await page.getByTestId('teach-ALIGN-point').click();
   await until('the second point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === 2);
-  expect(await text()).toContain(NOTE);
+  await expect.poll(() => text()).toContain(NOTE);
   expect(unhandled(heard.splice(0))).toEqual([]);
 });
 
@@ -147,6 +147,6 @@ test('a station is taught by the requested pose while its response is pending', 
     return (await page.getByTestId('contact-ALIGN').count()) === 1;
   });
   await page.unroute('**/cell/jog');
-  expect(await page.getByTestId('points-ALIGN').locator('li').count()).toBe(2);
+  await expect.poll(() => page.getByTestId('points-ALIGN').locator('li').count()).toBe(2);
   expect(unhandled(heard.splice(0))).toEqual([]);
 });

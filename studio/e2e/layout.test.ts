@@ -61,7 +61,7 @@ for (const [width, height] of [[390, 844], [500, 900], [512, 350], [720, 450], [
         [scene.x + scene.width / 2, scene.y + scene.height / 2],
       );
       expect(over).toBe(-1);
-      expect(await cut(page)).toEqual([]);
+      await expect.poll(() => cut(page)).toEqual([]);
       if (scene.width <= 760) {
         await page.getByRole('button', { name: 'About this view' }).click();
         await page.getByText('With ideal joints, this robot can only translate').waitFor();
@@ -83,8 +83,8 @@ for (const [width, height] of [[390, 844], [500, 900], [512, 350], [720, 450], [
       expect(scene.height).toBeGreaterThanOrEqual(200);
       const slider = (await page.getByTestId('cell-time').boundingBox())!;
       expect(slider.width).toBeGreaterThanOrEqual(100);
-      expect((await page.getByLabel('Playback speed').boundingBox())!.width).toBeGreaterThanOrEqual(56);
-      expect(await cut(page)).toEqual([]);
+      await expect.poll(async () => (await page.getByLabel('Playback speed').boundingBox())!.width).toBeGreaterThanOrEqual(56);
+      await expect.poll(() => cut(page)).toEqual([]);
     }));
 }
 
@@ -143,7 +143,7 @@ test('nothing covers the platform in the low view above plots, also after the pa
     await page.getByTestId('figure').selectOption('6');
     await until('samples', async () => Number(await page.getByTestId('sample').getAttribute('data-count')) > 0);
     await frames(page, 10);
-    expect((await page.locator('.scene').boundingBox())!.height).toBeLessThanOrEqual(350);
+    await expect.poll(async () => (await page.locator('.scene').boundingBox())!.height).toBeLessThanOrEqual(350);
     const buttons = (await page.locator('.views').boundingBox())!;
     const corners = await page.evaluate(() => window.jointplay.probe.platform!());
     expect(Math.min(...corners.map(({ y }) => y)), 'below the buttons').toBeGreaterThan(buttons.y + buttons.height);
@@ -153,7 +153,7 @@ test('the play scale can be moved next to the robot editor', () =>
   at(1024, 700, 'robot', async (page) => {
     await page.getByTestId('edit-robot').click();
     await page.getByTestId('robot-fields').waitFor();
-    expect((await page.getByTestId('exaggeration').boundingBox())!.width).toBeGreaterThanOrEqual(60);
+    await expect.poll(async () => (await page.getByTestId('exaggeration').boundingBox())!.width).toBeGreaterThanOrEqual(60);
     const scene = (await page.locator('.scene').boundingBox())!;
     const scale = (await page.getByTestId('play-scale').boundingBox())!;
     expect(scale.x + scale.width).toBeLessThanOrEqual(scene.x + scene.width);
@@ -179,9 +179,9 @@ test('no coordinate of the robot file is cut off, and nothing lengthens the page
       if (!(await page.getByTestId('robot-fields').isVisible())) await page.getByTestId('edit-robot').click();
       await page.getByTestId('robot-fields').waitFor();
       const cut = () => page.getByTestId('robot-fields').locator('td input').evaluateAll((fields) => (fields as HTMLInputElement[]).filter((field) => field.scrollWidth > field.clientWidth).map(({ value }) => value));
-      expect((await page.getByTestId('limb-2-y').inputValue()).length).toBeGreaterThan(8);
-      expect(await cut()).toEqual([]);
-      expect(await page.evaluate(() => document.body.scrollHeight)).toBe(height);
+      await expect.poll(async () => (await page.getByTestId('limb-2-y').inputValue()).length).toBeGreaterThan(8);
+      await expect.poll(() => cut()).toEqual([]);
+      await expect.poll(() => page.evaluate(() => document.body.scrollHeight)).toBe(height);
     }
   }));
 
@@ -194,11 +194,11 @@ test('the steps of the tour stay in view in a narrow window', () =>
       await frames(page);
       const { x, y, width, height } = (await steps.boundingBox())!;
       expect(y + height).toBeLessThanOrEqual(844);
-      expect(await steps.evaluate((button, [x, y]) => button.contains(document.elementFromPoint(x!, y!)), [x + width / 2, y + height / 2])).toBe(true);
-      if (outlined) expect((await page.locator(`#${outlined}`).boundingBox())!.y).toBeLessThan(700);
+      await expect.poll(() => steps.evaluate((button, [x, y]) => button.contains(document.elementFromPoint(x!, y!)), [x + width / 2, y + height / 2])).toBe(true);
+      if (outlined) await expect.poll(async () => (await page.locator(`#${outlined}`).boundingBox())!.y).toBeLessThan(700);
     }
     await steps.click();
-    expect(await steps.count()).toBe(0);
+    await expect.poll(() => steps.count()).toBe(0);
   }));
 
 test('a file that is dropped on the robot view is opened, and does not replace the page', () =>
@@ -220,20 +220,20 @@ test('a file that is dropped on the robot view is opened, and does not replace t
     const mechanism = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/four-bar.toml'));
     expect(await drop('mine.toml', [...mechanism])).toEqual([false, false]);
     await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
-    expect(await page.locator('dialog[open]').count()).toBe(0);
+    await expect.poll(() => page.locator('dialog[open]').count()).toBe(0);
   }));
 
 test('without a mechanism, one note replaces the panels, and the catalogue is one click away', () =>
   at(390, 844, 'mechanism', async (page) => {
     await page.getByTestId('dock-note').waitFor();
-    expect(await page.getByTestId('dock-note').count()).toBe(1);
-    expect(await page.locator('[data-dock] section').count()).toBe(0);
+    await expect.poll(() => page.getByTestId('dock-note').count()).toBe(1);
+    await expect.poll(() => page.locator('[data-dock] section').count()).toBe(0);
     await page.getByTestId('show-catalogue').click();
     const entry = page.getByTestId('entry-four-bar');
     await entry.click();
     await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
     await until('the mechanism is in view', async () => ((await page.locator('.scene').boundingBox())!.y) > 0);
-    expect(await page.locator('[data-dock] section').count()).toBeGreaterThan(5);
+    await expect.poll(() => page.locator('[data-dock] section').count()).toBeGreaterThan(5);
   }));
 
 for (const [width, height] of [[320, 568], [390, 844], [512, 350], [720, 450]] as const)
@@ -262,11 +262,11 @@ test('a mechanism of the catalogue is in view after it is opened from the drawer
     await page.getByTestId('entry-four-bar').click();
     await page.getByTestId('mechanism-name').filter({ hasText: 'Planar four-bar linkage' }).waitFor();
     await page.locator('#drawer-left').waitFor({ state: 'hidden' });
-    expect(await page.getByTestId('drawer-left-button').evaluate((button) => button === document.activeElement)).toBe(true);
+    await expect.poll(() => page.getByTestId('drawer-left-button').evaluate((button) => button === document.activeElement)).toBe(true);
   }));
 
 test('a loading note is visible before the scripts have loaded', async () => {
-  expect(await (await fetch(server.address)).text()).toContain('Loading the studio');
+  await expect.poll(async () => await (await fetch(server.address)).text()).toContain('Loading the studio');
   await at(1280, 720, 'robot', async (page) => expect(await page.getByText('Loading the studio').count()).toBe(0));
 });
 
@@ -289,7 +289,7 @@ test('on a phone, a chosen violation is in the picture, which stays in view', as
     };
     await until('the picture is in view', inView);
     await frames(page);
-    expect(await inView()).toBe(true);
+    await expect.poll(() => inView()).toBe(true);
   } finally {
     await page.context().close();
     await blocked.stop();

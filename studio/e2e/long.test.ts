@@ -106,7 +106,7 @@ test('an edit of a long program transfers only changed data', async () => {
   const middle = Number(await page.getByTestId('cell-time').getAttribute('max')) / 2 + 3;
   await page.getByTestId('cell-time').fill(String(middle));
   await until('that is shown', async () => (await page.getByTestId('loading').count()) === 0 && JSON.stringify(await link()) !== JSON.stringify(home));
-  expect(await page.getByTestId('cell-step').textContent()).toMatch(/^line \d{3,4}: /);
+  await expect.poll(() => page.getByTestId('cell-step').textContent()).toMatch(/^line \d{3,4}: /);
   // One line more at the end.
   await page.getByTestId('text-program').locator('.cm-content').click();
   await page.keyboard.press('Control+End');
@@ -137,12 +137,12 @@ test('the page shows that a part of the motion is loading', async () => {
   await page.getByTestId('loading').filter({ hasText: 'Loading' }).waitFor();
   const link = () => page.evaluate(() => window.jointplay.probe.cell!.origin('upper link 4'));
   const shown = await link();
-  expect(await page.getByTestId('cell-step').textContent(), 'no step is named').toBe('');
+  await expect.poll(() => page.getByTestId('cell-step').textContent(), { message: 'no step is named' }).toBe('');
   await until('it is asked for', async () => waiting.length > 0);
   expect(await link(), 'no pose is made up').toEqual(shown);
   held = false;
   for (const route of waiting) await route.continue();
   await page.getByTestId('loading').waitFor({ state: 'detached' });
-  expect(await page.getByTestId('cell-step').textContent()).toMatch(/^line \d+: /);
+  await expect.poll(() => page.getByTestId('cell-step').textContent()).toMatch(/^line \d+: /);
   await page.close();
 });

@@ -46,7 +46,7 @@ test('fields accept expressions and units', () =>
     for (const [text, message] of [['2 deg', 'deg is a unit of angles'], ['1/0', 'infinite'], ['high', 'unknown name'], ['(', 'expected']] as const) {
       await type('height', text);
       await page.getByRole('alert').filter({ hasText: message }).waitFor();
-      expect(await page.getByTestId('field-height').inputValue()).toBe('500.38');
+      await expect.poll(() => page.getByTestId('field-height').inputValue()).toBe('500.38');
     }
     await page.getByTestId('field-height').press('ArrowUp');
     await drawn(page, 'Math.abs(pose.axis_height_m - 0.50138) < 1e-12');
@@ -64,7 +64,7 @@ test('an invalid length or size of a picture is refused with the reason', () =>
       await height.fill(text);
       await height.press('Enter');
       await page.getByRole('alert').filter({ hasText: message }).waitFor();
-      expect(await height.inputValue()).toBe(before);
+      await expect.poll(() => height.inputValue()).toBe(before);
     }
     await height.fill('480 + 2');
     await height.press('Enter');
@@ -78,7 +78,7 @@ test('an invalid length or size of a picture is refused with the reason', () =>
       await page.getByTestId('picture-width').fill(text);
       await page.getByTestId('picture-height').fill('12000');
       await page.getByTestId('picture-problem').filter({ hasText: message }).waitFor();
-      expect(await page.getByTestId('export-view').isDisabled()).toBe(true);
+      await expect.poll(() => page.getByTestId('export-view').isDisabled()).toBe(true);
     }
     await page.getByTestId('picture-width').fill('640');
     await page.getByTestId('picture-height').fill('480');
@@ -88,7 +88,7 @@ test('an invalid length or size of a picture is refused with the reason', () =>
 test('the tour has three steps, each with what it is about, and ends for good', () =>
   open(async (page) => {
     const outlined = () => page.evaluate(() => document.querySelector('.toured')?.textContent?.slice(0, 200) ?? '');
-    expect(await outlined()).toBe('');
+    await expect.poll(() => outlined()).toBe('');
     await page.getByTestId('tour-next').press('Enter');
     await page.getByText('1 of 3').waitFor();
     await until('the pose is outlined', async () => (await outlined()).includes('Pose'));
@@ -96,13 +96,13 @@ test('the tour has three steps, each with what it is about, and ends for good', 
     await until('the models are outlined', async () => (await outlined()).includes('Virtualization'));
     await page.getByTestId('tour-next').click();
     await until('the motions are outlined', async () => (await outlined()).includes('No motion'));
-    expect(await accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
     await page.getByTestId('tour-back').click();
     await page.getByText('2 of 3').waitFor();
     await page.getByTestId('tour-next').click();
     await page.getByTestId('tour-end').click();
     await page.getByRole('button', { name: 'About this view' }).waitFor();
-    expect(await outlined()).toBe('');
+    await expect.poll(() => outlined()).toBe('');
     await page.reload();
     await page.getByRole('button', { name: 'About this view' }).waitFor();
   }));
@@ -153,7 +153,7 @@ test('pictures have any size and resolution, without background and handles', ()
     await page.getByTestId('picture-width').fill('400000');
     await page.getByTestId('picture-width').press('Tab');
     await page.getByRole('alert').filter({ hasText: 'The width must be from 16 to 16384 pixels, got 400000.' }).waitFor();
-    expect(await page.getByTestId('export-view').isDisabled()).toBe(true);
+    await expect.poll(() => page.getByTestId('export-view').isDisabled()).toBe(true);
   }));
 
 test('the view cube rotates the view of a cell, and zones have a legend', async () => {
@@ -172,6 +172,6 @@ test('the view cube rotates the view of a cell, and zones have a legend', async 
   expect(Math.hypot(x!, y!)).toBeLessThan(0.01);
   expect(z).toBeGreaterThan(0.99);
   const legend = page.getByRole('list', { name: 'Legend' });
-  for (const text of ['keep-out zone', 'safe zone', 'slots']) expect(await legend.getByText(text).isVisible()).toBe(true);
+  for (const text of ['keep-out zone', 'safe zone', 'slots']) await expect.poll(() => legend.getByText(text).isVisible()).toBe(true);
   await fixture.close();
 });

@@ -56,7 +56,7 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
   await at(['four-bar'], async (page, _, heard) => {
     await shows(page, 'mechanism-name', 'Four-bar linkage');
     await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
-    expect([await text(page, 'm-kutzbach'), await text(page, 'm-instantaneous'), await text(page, 'm-finite'), await text(page, 'm-redundant')]).toEqual(['−2', '1', '1', '3']);
+    await expect.poll(async () => [await text(page, 'm-kutzbach'), await text(page, 'm-instantaneous'), await text(page, 'm-finite'), await text(page, 'm-redundant')]).toEqual(['−2', '1', '1', '3']);
     // The exported motion has the bytes of the command.
     const out = join(folder, 'motion');
     execFileSync(COMMAND, ['move', 'four-bar', '--drive', 'A=-5:20', '--steps', '4', '--to', 'csv,gltf', '--out', out]);
@@ -83,7 +83,7 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
     // The coordinate is zero in the reference configuration, with the crank at 70°.
     const [x, y] = [Math.cos((160 * Math.PI) / 180) * crank, Math.sin((160 * Math.PI) / 180) * crank];
     await until('the crank at 160°', async () => Math.hypot((await joints(page))['B']![0]! - x, (await joints(page))['B']![1]! - y) < 1e-9);
-    expect(await field.inputValue()).toBe('90');
+    await expect.poll(() => field.inputValue()).toBe('90');
     // Keyboard: the slider moves by the arrow keys.
     await page.getByTestId('slide-A').press('ArrowRight');
     await until('the crank moved on', async () => (await field.inputValue()) !== '90');
@@ -92,13 +92,13 @@ test('a mechanism of the command is opened, driven and analysed', async () => {
     await field.fill('4 mm');
     await field.press('Enter');
     await page.getByRole('alert').filter({ hasText: 'mm' }).waitFor();
-    expect(await joints(page)).toEqual(kept);
+    await expect.poll(() => joints(page)).toEqual(kept);
     // Compared with the reference: the crank has turned, the mobility is the same.
     const compared = async (name: string) => (await page.getByTestId(`compare-${name}`).locator('td').allTextContents()).map(Number);
     await until('compared', async () => [...(await compared('finite')), ...(await compared('redundant')), ...(await compared('A'))].every(Number.isFinite));
     const [from, now, by] = await compared('A');
     expect([from, by]).toEqual([0, now]);
-    expect(await compared('redundant')).toEqual([3, 3, 0]);
+    await expect.poll(() => compared('redundant')).toEqual([3, 3, 0]);
     // Dragged by its end, the crank follows the pointer, and the other joints follow the crank.
     await page.getByRole('button', { name: 'Fit', exact: true }).click();
     await frames(page);
@@ -141,7 +141,7 @@ test('a dead point stops the drive, and is reported with its place', async () =>
     await field.fill('170');
     await field.press('Enter');
     await shows(page, 'stopped', 'dead point');
-    expect(Number(await field.inputValue())).toBeLessThan(170);
+    await expect.poll(async () => Number(await field.inputValue())).toBeLessThan(170);
   });
 });
 
@@ -157,7 +157,7 @@ test('the robot of the paper is relieved by a suggestion, and its play is exagge
     await page.getByTestId('animate-motions').click();
     await shows(page, 'animated', 'Instantaneous motion 1 of 3');
     await page.keyboard.press('Escape');
-    expect(await page.getByTestId('animated').count()).toBe(0);
+    await expect.poll(() => page.getByTestId('animated').count()).toBe(0);
     await page.getByTestId('suggest').click();
     await page.getByTestId('apply-0').click();
     // A joint that is driven while the text is still being read moves afterwards.
@@ -200,7 +200,7 @@ test('files of all kinds are opened, or their kind is reported', async () => {
     await shows(page, 'mechanism-notice', 'Converted from URDF');
     // The note covers nothing of the view.
     const note = (await page.getByTestId('mechanism-notice').boundingBox())!;
-    for (const part of ['.scene', '[data-testid=cube]', '.views']) expect((await page.locator(part).first().boundingBox())!.y, part).toBeGreaterThanOrEqual(note.y + note.height);
+    for (const part of ['.scene', '[data-testid=cube]', '.views']) await expect.poll(async () => (await page.locator(part).first().boundingBox())!.y, { message: part }).toBeGreaterThanOrEqual(note.y + note.height);
     await page.getByTestId('tree-joint-C').click();
     await shows(page, 'properties', 'cylindrical');
     // Dropped files.
@@ -246,7 +246,7 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     await type(page, () => FOUR_BAR.replace('kind = "revolute"', 'kind = "revolut"'));
     await page.getByTestId('mechanism-diagnostics').waitFor();
     await page.getByTestId('mechanism-outdated').waitFor();
-    expect(await page.getByTestId('m-finite').count()).toBe(0);
+    await expect.poll(() => page.getByTestId('m-finite').count()).toBe(0);
     await type(page, () => FOUR_BAR.replace('Planar four-bar linkage', 'Renamed linkage'));
     await shows(page, 'mechanism-name', 'Renamed');
     // A file that cannot be written is reported until it is saved.
@@ -264,15 +264,15 @@ test('a text with errors keeps no result, and a file is saved unless it changed 
     await page.getByTestId('mechanism-conflict-show').click();
     const lines = (kind: string) => page.getByTestId('mechanism-conflict-difference').locator(`.${kind} code`).allTextContents();
     await until('the difference', async () => (await lines('added')).length > 0);
-    expect(await lines('removed')).toContain('# another editor');
-    expect((await lines('added')).join('\n')).toContain('Third linkage');
+    await expect.poll(() => lines('removed')).toContain('# another editor');
+    await expect.poll(async () => (await lines('added')).join('\n')).toContain('Third linkage');
     await page.getByRole('button', { name: 'Overwrite' }).click();
     await until('overwritten', async () => readFileSync(file, 'utf8').includes('Third linkage'));
     // Without a server, no number remains.
     await until('the mobility', async () => (await page.getByTestId('m-finite').count()) === 1);
     await server.stop();
     await page.getByTestId('mechanism-outdated').waitFor();
-    expect(await page.getByTestId('m-finite').count()).toBe(0);
+    await expect.poll(() => page.getByTestId('m-finite').count()).toBe(0);
   });
 });
 
@@ -283,7 +283,7 @@ test('an unsaved text survives a reload, and is restored or discarded', async ()
     page.on('dialog', (dialog) => void dialog.accept());
     const draft = page.getByTestId('mechanism-draft');
     await shows(page, 'mechanism-name', 'Planar four-bar linkage');
-    expect(await draft.count()).toBe(0);
+    await expect.poll(() => draft.count()).toBe(0);
     await type(page, () => FOUR_BAR.replace(/^name = "[^"]*"/m, 'name = "Unsaved linkage"'));
     await shows(page, 'mechanism-name', 'Unsaved linkage');
     await reload(page);
@@ -298,7 +298,7 @@ test('an unsaved text survives a reload, and is restored or discarded', async ()
     await until('saved', async () => readFileSync(file, 'utf8').includes('Unsaved linkage'));
     await reload(page);
     await shows(page, 'mechanism-name', 'Unsaved linkage');
-    expect(await draft.count(), 'a saved text is no draft').toBe(0);
+    await expect.poll(() => draft.count(), { message: 'a saved text is no draft' }).toBe(0);
     await type(page, () => FOUR_BAR.replace(/^name = "[^"]*"/m, 'name = "Other"'));
     await shows(page, 'mechanism-name', 'Other');
     // Changes of another text are not saved into the file.
@@ -307,10 +307,10 @@ test('an unsaved text survives a reload, and is restored or discarded', async ()
     await reload(page);
     await draft.getByRole('button', { name: 'Restore' }).click();
     await shows(page, 'mechanism-name', 'Other');
-    expect(await page.getByTestId('mechanism-save').count()).toBe(0);
+    await expect.poll(() => page.getByTestId('mechanism-save').count()).toBe(0);
     await page.getByRole('button', { name: 'Undo' }).click();
     await shows(page, 'mechanism-name', 'Unsaved linkage');
-    expect(await page.getByTestId('mechanism-save').count()).toBe(1);
+    await expect.poll(() => page.getByTestId('mechanism-save').count()).toBe(1);
     expect(readFileSync(file, 'utf8')).toBe(theirs);
     await page.getByRole('button', { name: 'Redo' }).click();
     await shows(page, 'mechanism-name', 'Other');
@@ -318,7 +318,7 @@ test('an unsaved text survives a reload, and is restored or discarded', async ()
     await draft.getByRole('button', { name: 'Discard' }).click();
     await reload(page);
     await shows(page, 'mechanism-name', 'Unsaved linkage');
-    expect(await draft.count()).toBe(0);
+    await expect.poll(() => draft.count()).toBe(0);
   });
 });
 
@@ -364,7 +364,7 @@ test('a text is not saved into the file of another server', async () => {
       await until('it is connected again', async () => !(await page.locator('header').innerText()).includes('Disconnected'));
       await page.getByTestId('mechanism-save').click();
       await shows(page, 'mechanism-notice', 'Not saved: the server has the file theirs.toml now, and not mine.toml.');
-      expect(await page.getByTestId('mechanism-conflict').count()).toBe(0);
+      await expect.poll(() => page.getByTestId('mechanism-conflict').count()).toBe(0);
       expect([readFileSync(mine, 'utf8'), readFileSync(theirs, 'utf8')]).toEqual([FOUR_BAR, other]);
     } finally {
       await second.stop();
@@ -390,7 +390,7 @@ test('parameters and assembly modes change the configuration', async () => {
     await until('two modes', async () => (await modes.count()) === 2);
     await modes.nth(1).click();
     await until('the other mode', async () => Math.abs((await joints(page))['C']![1]! - before['C']![1]!) > 1e-3);
-    expect((await joints(page))['B']![0]).toBeCloseTo(before['B']![0]!, 9);
+    await expect.poll(async () => (await joints(page))['B']![0]).toBeCloseTo(before['B']![0]!, 9);
     const length = async () => {
       const { B, C } = await joints(page);
       return Math.hypot(...[0, 1, 2].map((k) => B![k]! - C![k]!));
@@ -403,7 +403,7 @@ test('parameters and assembly modes change the configuration', async () => {
       const { C, D } = await joints(page);
       return Math.abs(Math.hypot(...[0, 1, 2].map((k) => C![k]! - D![k]!)) - 0.22) < 1e-9;
     });
-    expect(await length()).toBeCloseTo(coupler, 9);
+    await expect.poll(() => length()).toBeCloseTo(coupler, 9);
   });
 });
 
@@ -422,7 +422,7 @@ test.each([
     for (const tab of ['Catalogue', 'Tree', 'Text']) {
       await page.getByRole('tab', { name: tab }).click();
       await frames(page);
-      expect(await accessibilityViolations(page), tab).toEqual([]);
+      await expect.poll(() => accessibilityViolations(page), { message: tab }).toEqual([]);
     }
     // Chosen entries of lists are legible.
     await page.getByTestId('redundant').getByRole('button').first().click();
@@ -430,10 +430,10 @@ test.each([
     await page.getByTestId('tree-link-platform').click();
     await page.getByTestId('find-modes').click();
     await page.getByTestId('modes').waitFor();
-    expect(await page.locator('button.plain[aria-pressed=true]').count()).toBeGreaterThanOrEqual(2);
-    expect(await accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => page.locator('button.plain[aria-pressed=true]').count()).toBeGreaterThanOrEqual(2);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
     // Nothing is wider than the window, and the view has a size.
-    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
+    await expect.poll(() => page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
     const view = await page.locator('.mechanism .scene').boundingBox();
     expect(view!.width).toBeGreaterThan(300);
     expect(view!.height).toBeGreaterThan(250);

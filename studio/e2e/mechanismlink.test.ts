@@ -116,7 +116,7 @@ test('picture, film and text of a mechanism are exported', async () => {
   const text = await take('text');
   expect(text.bytes.toString()).toContain('# My own mechanism.');
   await page.getByTestId('mechanism-export').click();
-  expect(await accessibilityViolations(page, '.menu')).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page, '.menu')).toEqual([]);
   // No field is cut off at the edge of the menu.
   const menu = (await page.locator('.menu').boundingBox())!;
   for (const field of ['motion-joint', 'motion-from', 'motion-to', 'motion-steps']) {
@@ -146,7 +146,7 @@ test('a mechanism that is opened from another view has its own camera, also a mo
   }, [['arm-loops.toml', loops], ['arm.urdf', urdf]]);
   await page.dispatchEvent('main', 'drop', { dataTransfer: dropped });
   await until('its joints are drawn', async () => 'C' in (await joints(page)));
-  expect(await page.locator('dialog[open]').count()).toBe(0);
+  await expect.poll(() => page.locator('dialog[open]').count()).toBe(0);
   await until('the camera is not that of the mechanism before', async () => Math.abs((await camera(page))!.target[0]! - before.target[0]!) > 0.1);
 });
 
@@ -156,7 +156,7 @@ test('the dialog Open opens files of each kind in their view, and remembers them
   const choose = (name: string, text: string) => page.getByTestId('open-file').setInputFiles({ name, mimeType: 'text/plain', buffer: Buffer.from(text) });
   await page.keyboard.press('Control+o');
   await dialog.waitFor();
-  expect(await accessibilityViolations(page, 'dialog[open]')).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page, 'dialog[open]')).toEqual([]);
   // A sample, found by its title.
   await dialog.getByPlaceholder('Search').fill('bennett');
   await dialog.getByTestId('sample-bennett').click();
@@ -188,7 +188,7 @@ test('the dialog Open opens files of each kind in their view, and remembers them
   await page.getByTestId('slider-tilt').waitFor();
   await page.keyboard.press('Control+o');
   await dialog.getByTestId('forget-recent').click();
-  expect(await dialog.getByTestId('recent-mine.toml').count()).toBe(0);
+  await expect.poll(() => dialog.getByTestId('recent-mine.toml').count()).toBe(0);
   await page.keyboard.press('Escape');
   await dialog.waitFor({ state: 'hidden' });
 });

@@ -35,8 +35,8 @@ async function loaded(count: number): Promise<void> {
 test('a figure of the paper is selected, and its values equal those of the command line', async () => {
   await page.getByTestId('figure').selectOption('6');
   await loaded(777);
-  expect(await page.getByTestId('plot-linear').isVisible()).toBe(true);
-  expect(await page.getByTestId('plot-rods').count()).toBe(0);
+  await expect.poll(() => page.getByTestId('plot-linear').isVisible()).toBe(true);
+  await expect.poll(() => page.getByTestId('plot-rods').count()).toBe(0);
   await page.getByTestId('all-plots').click();
   await page.getByTestId('scrub').fill('20');
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - 2 * Math.PI / 180) < 1e-9');
@@ -57,25 +57,25 @@ test('a figure of the paper is selected, and its values equal those of the comma
 test('the motion is controlled by the keyboard', async () => {
   await page.getByTestId('scrub').fill('0');
   await page.locator('body').press('ArrowRight');
-  expect(await at()).toBe(1);
+  await expect.poll(() => at()).toBe(1);
   await page.locator('body').press('ArrowLeft');
   await page.locator('body').press('ArrowLeft');
-  expect(await at()).toBe(0);
+  await expect.poll(() => at()).toBe(0);
   await page.locator('body').press(' ');
   await until('it plays', async () => (await at()) > 5);
   await page.locator('body').press(' ');
   const stopped = await at();
   await frames(page);
-  expect(await at()).toBe(stopped);
+  await expect.poll(() => at()).toBe(stopped);
   await page.locator('body').press('End');
-  expect(await at()).toBe(776);
+  await expect.poll(() => at()).toBe(776);
 });
 
 test('plots seek by click, zoom by drag and hide lines by the legend', async () => {
   const over = page.getByTestId('plot-rods').locator('.u-over');
   const box = (await over.boundingBox())!;
   await over.click({ position: { x: box.width / 2, y: box.height / 2 } });
-  expect(Math.abs((await at()) - 388)).toBeLessThan(6);
+  await expect.poll(async () => Math.abs((await at()) - 388)).toBeLessThan(6);
   await page.mouse.move(box.x + box.width * 0.25, box.y + 20);
   await page.mouse.down();
   await page.mouse.move(box.x + box.width * 0.5, box.y + 25, { steps: 4 });
@@ -83,7 +83,7 @@ test('plots seek by click, zoom by drag and hide lines by the legend', async () 
   await page.getByRole('button', { name: 'Whole motion' }).click();
   const legend = page.getByTestId('plot-rods').getByRole('button', { name: 'q₁' });
   await legend.click();
-  expect(await legend.getAttribute('aria-pressed')).toBe('false');
+  await expect.poll(() => legend.getAttribute('aria-pressed')).toBe('false');
   await legend.click();
 });
 
@@ -97,7 +97,7 @@ test('a serpentine and a motion through key poses are computed', async () => {
   const over = page.getByTestId('plot-rods').locator('.u-over');
   const box = (await over.boundingBox())!;
   await over.click({ position: { x: box.width / 2, y: box.height / 2 } });
-  expect(Math.abs((await at()) - 210)).toBeLessThan(6);
+  await expect.poll(async () => Math.abs((await at()) - 210)).toBeLessThan(6);
   await page.getByTestId('export').click();
   const [figure] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-svg').click()]);
   const svg = (await bytesOf(figure)).toString('utf8');
@@ -109,7 +109,7 @@ test('a serpentine and a motion through key poses are computed', async () => {
   await page.getByLabel('seconds of pose 2').fill('1');
   await page.getByLabel('seconds of pose 2').press('Enter');
   await page.getByTestId('add-pose').click();
-  expect(await page.getByLabel('seconds of pose 5').isVisible()).toBe(true);
+  await expect.poll(() => page.getByLabel('seconds of pose 5').isVisible()).toBe(true);
   await page.keyboard.press('Control+z');
   await until('the pose is removed', async () => (await page.getByLabel('seconds of pose 5').count()) === 0);
   await page.getByRole('button', { name: 'Poses' }).click();
@@ -125,8 +125,8 @@ test('an invalid motion is reported', async () => {
   // An empty field is no number: what was there comes back.
   await page.getByTestId('tilt-step').fill('');
   await page.getByTestId('tilt-step').press('Enter');
-  expect(await page.getByTestId('tilt-step').inputValue()).toBe('0.2');
-  expect(await page.getByRole('alert').filter({ hasText: 'null' }).count()).toBe(0);
+  await expect.poll(() => page.getByTestId('tilt-step').inputValue()).toBe('0.2');
+  await expect.poll(() => page.getByRole('alert').filter({ hasText: 'null' }).count()).toBe(0);
   await page.getByTestId('azimuth-step').fill('10');
   await page.getByTestId('azimuth-step').press('Enter');
   await loaded(777);
@@ -156,7 +156,7 @@ test('time series and plots are exported', async () => {
   if (robot.series_formats.includes('parquet')) {
     const bytes = await take('export-parquet');
     for (const mark of [bytes.subarray(0, 4), bytes.subarray(-4)]) expect(mark.toString()).toBe('PAR1');
-  } else expect(await page.getByTestId('export-parquet').count()).toBe(0);
+  } else await expect.poll(() => page.getByTestId('export-parquet').count()).toBe(0);
 });
 
 test('Parquet export is offered only by servers that support it', async () => {
@@ -170,7 +170,7 @@ test('Parquet export is offered only by servers that support it', async () => {
     await drawn(other);
     await other.getByTestId('export').click();
     await other.getByTestId('export-csv').waitFor();
-    expect(await other.getByTestId('export-parquet').count()).toBe(0);
+    await expect.poll(() => other.getByTestId('export-parquet').count()).toBe(0);
   } finally {
     await other.close();
   }
@@ -189,7 +189,7 @@ test('the recording of a motion has the duration of the motion', async () => {
   const begun = Date.now();
   const [film] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-video').click()]);
   const took = (Date.now() - begun) / 1000;
-  expect(await at()).toBe(180);
+  await expect.poll(() => at()).toBe(180);
   expect(film.suggestedFilename()).toMatch(/^motion\.(webm|mp4)$/);
   const bytes = (await bytesOf(film)).toString('base64');
   const played = await page.evaluate(async (base64) => {

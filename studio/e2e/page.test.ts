@@ -52,7 +52,7 @@ async function type(name: string, text: string): Promise<void> {
 
 test('the introduction is visible, and the values equal those of the command line', async () => {
   await open('#pose=rods,500,501,502&model=polar,newton,paper&play=500');
-  expect(await page.getByText('With ideal joints, this robot can only translate').isVisible()).toBe(true);
+  await expect.poll(() => page.getByText('With ideal joints, this robot can only translate').isVisible()).toBe(true);
   const reported = JSON.parse(
     execFileSync(COMMAND, ['forward', '--q-mm', '500,501,502', '--virtualization', 'polar', '--solver', 'newton', '--format', 'json'], {
       encoding: 'utf8',
@@ -64,21 +64,21 @@ test('the introduction is visible, and the values equal those of the command lin
   reported.virtual_joints.l_mm.forEach((mm: number, k: number) => expect(shown[k]! * 1e3).toBeCloseTo(mm, 10));
   reported.virtual_joints.phi_deg.forEach((deg: number, k: number) => expect((shown[3 + k]! * 180) / Math.PI).toBeCloseTo(deg, 10));
   const shift = page.getByTestId('shift-polar');
-  expect(Number(await shift.getAttribute('data-x')) * 1e3).toBeCloseTo(reported.platform.center_shift_mm[0], 10);
-  expect(Number(await shift.getAttribute('data-y')) * 1e3).toBeCloseTo(reported.platform.center_shift_mm[1], 10);
+  await expect.poll(async () => Number(await shift.getAttribute('data-x')) * 1e3).toBeCloseTo(reported.platform.center_shift_mm[0], 10);
+  await expect.poll(async () => Number(await shift.getAttribute('data-y')) * 1e3).toBeCloseTo(reported.platform.center_shift_mm[1], 10);
   await page.getByRole('tab', { name: 'Direction, angle' }).click();
-  expect(await value('azimuth')).toBeCloseTo(reported.platform.azimuth_deg, 3);
-  expect(await value('tilt')).toBeCloseTo(reported.platform.tilt_deg, 3);
+  await expect.poll(() => value('azimuth')).toBeCloseTo(reported.platform.azimuth_deg, 3);
+  await expect.poll(() => value('tilt')).toBeCloseTo(reported.platform.tilt_deg, 3);
 });
 
 test('each jog of the robot is one undo step', async () => {
   await open();
-  expect(await page.getByTestId('instantaneous').textContent()).toBe('1');
+  await expect.poll(() => page.getByTestId('instantaneous').textContent()).toBe('1');
   await page.getByRole('button', { name: 'Level', exact: true }).click();
   await drawn(page, 'pose.tilt.angle_rad < 1e-9');
-  expect(await page.getByTestId('instantaneous').textContent()).toBe('3');
-  expect(await page.getByTestId('finite').textContent()).toBe('1');
-  expect(await page.getByTestId('rank').textContent()).toBe('9');
+  await expect.poll(() => page.getByTestId('instantaneous').textContent()).toBe('3');
+  await expect.poll(() => page.getByTestId('finite').textContent()).toBe('1');
+  await expect.poll(() => page.getByTestId('rank').textContent()).toBe('9');
   await type('height', '400');
   await drawn(page, 'Math.abs(pose.axis_height_m - 0.4) < 1e-9');
   await page.getByRole('button', { name: 'Increase Tilt angle α by 0.05 °' }).click();
@@ -106,7 +106,7 @@ test('each jog of the robot is one undo step', async () => {
 test('the robot stops at limits or moves along them, with a message', async () => {
   await open();
   await type('tilt', '3');
-  expect(await page.getByText('Tilt angle α ranges from -1.5 to 1.5 °').isVisible()).toBe(true);
+  await expect.poll(() => page.getByText('Tilt angle α ranges from -1.5 to 1.5 °').isVisible()).toBe(true);
   // One rod alone tilts the platform: beyond the limit of tilt the others follow, as little as possible.
   await open('#pose=rods,500,500,500');
   await type('rod-1', '520');
@@ -118,7 +118,7 @@ test('the robot stops at limits or moves along them, with a message', async () =
   // There it can go on: back, and undone.
   await type('rod-1', '502');
   await drawn(page, 'Math.abs(pose.rods_m[0] - 0.502) < 1e-9');
-  expect(await page.getByRole('alert').count()).toBe(0);
+  await expect.poll(() => page.getByRole('alert').count()).toBe(0);
   await page.keyboard.press('Control+z');
   await drawn(page, 'Math.abs(pose.tilt.angle_rad - 1.5 * Math.PI / 180) < 1e-9');
   // Two limits together: high up there is no room to tilt.
@@ -126,8 +126,8 @@ test('the robot stops at limits or moves along them, with a message', async () =
   await type('height', '754');
   await page.getByRole('alert').filter({ hasText: 'Stopped at a limit: rod' }).waitFor();
   await drawn(page, 'pose.axis_height_m > 0.745 && Math.max(...pose.rods_m) < 0.754 + 1e-9');
-  expect(await value('azimuth')).toBeCloseTo(90, 3);
-  expect(await value('tilt')).toBeCloseTo(-0.5, 3);
+  await expect.poll(() => value('azimuth')).toBeCloseTo(90, 3);
+  await expect.poll(() => value('tilt')).toBeCloseTo(-0.5, 3);
 });
 
 test('the initial pose is within the tilt limit, and jogging follows the limit', async () => {
@@ -200,7 +200,7 @@ test('the platform is dragged by its three handles', async () => {
 test('number fields of lengths support inches', async () => {
   await open('#pose=tilt,0,1,500,axis');
   await page.getByLabel('Length unit').selectOption('inch');
-  expect(await value('height')).toBeCloseTo(500 / 25.4, 5);
+  await expect.poll(() => value('height')).toBeCloseTo(500 / 25.4, 5);
   await type('height', '20');
   await drawn(page, 'Math.abs(pose.axis_height_m - 0.508) < 1e-12');
   await page.getByRole('button', { name: 'Increase Height by 0.05 in' }).click();
@@ -209,7 +209,7 @@ test('number fields of lengths support inches', async () => {
   await type('rod-1', '20.05');
   await drawn(page, 'Math.abs(pose.rods_m[0] - 0.50927) < 1e-9');
   await page.getByLabel('Length unit').selectOption('mm');
-  expect(await value('rod-1')).toBeCloseTo(509.27, 3);
+  await expect.poll(() => value('rod-1')).toBeCloseTo(509.27, 3);
   await page.getByRole('tab', { name: 'Direction, angle' }).click();
 });
 
@@ -217,17 +217,17 @@ test('panels are collapsed, resized and moved, and the layout persists', async (
   await open();
   const panels = async (side: string) => (await page.locator(`aside.${side} section h2 .fold`).allTextContents()).map((text) => text.trim());
   const usual = ['Pose', 'Virtualization', 'Displacement at the balls', 'Mobility', 'Sensitivity'];
-  expect(await panels('right')).toEqual(usual);
-  expect(await page.locator('aside.left').count()).toBe(0);
+  await expect.poll(() => panels('right')).toEqual(usual);
+  await expect.poll(() => page.locator('aside.left').count()).toBe(0);
   // By the keyboard: one place down, and to the other side.
   await page.getByTestId('grip-pose').focus();
   await page.keyboard.press('ArrowDown');
-  expect((await panels('right')).slice(0, 2)).toEqual(['Virtualization', 'Pose']);
+  await expect.poll(async () => (await panels('right')).slice(0, 2)).toEqual(['Virtualization', 'Pose']);
   await page.keyboard.press('ArrowUp');
-  expect(await panels('right')).toEqual(usual);
+  await expect.poll(() => panels('right')).toEqual(usual);
   await page.getByTestId('grip-mobility').focus();
   await page.keyboard.press('ArrowLeft');
-  expect(await panels('left')).toEqual(['Mobility']);
+  await expect.poll(() => panels('left')).toEqual(['Mobility']);
   // By the pointer: dragged over the panel at the left.
   await page.getByTestId('grip-virtualization').scrollIntoViewIfNeeded();
   const grip = (await page.getByTestId('grip-virtualization').boundingBox())!;
@@ -236,25 +236,25 @@ test('panels are collapsed, resized and moved, and the layout persists', async (
   await page.mouse.down();
   await page.mouse.move(over.x - 40, over.y + 2, { steps: 5 });
   await page.mouse.up();
-  expect(await panels('left')).toEqual(['Virtualization', 'Mobility']);
+  await expect.poll(() => panels('left')).toEqual(['Virtualization', 'Mobility']);
   await page.getByRole('separator', { name: 'Width of the panels, left' }).focus();
   await page.keyboard.press('ArrowRight');
-  expect((await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
+  await expect.poll(async () => (await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
   await page.getByRole('button', { name: 'Mobility', exact: true }).click();
-  expect(await page.getByTestId('kutzbach').count()).toBe(0);
+  await expect.poll(() => page.getByTestId('kutzbach').count()).toBe(0);
   await reload(page);
   await drawn(page);
-  expect(await panels('left')).toEqual(['Virtualization', 'Mobility']);
-  expect((await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
-  expect(await page.getByTestId('kutzbach').count()).toBe(0);
+  await expect.poll(() => panels('left')).toEqual(['Virtualization', 'Mobility']);
+  await expect.poll(async () => (await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
+  await expect.poll(() => page.getByTestId('kutzbach').count()).toBe(0);
   await page.locator('body').press('b');
-  expect(await page.locator('aside').count()).toBe(0);
+  await expect.poll(() => page.locator('aside').count()).toBe(0);
   await page.locator('body').press('b');
   await page.keyboard.press('?');
   await page.getByRole('button', { name: 'Reset layout' }).click();
   await page.keyboard.press('Escape');
-  expect(await panels('right')).toEqual(usual);
-  expect(await page.getByTestId('kutzbach').count()).toBe(1);
+  await expect.poll(() => panels('right')).toEqual(usual);
+  await expect.poll(() => page.getByTestId('kutzbach').count()).toBe(1);
 });
 
 test('models, solver, metric and visible elements are selected', async () => {
@@ -270,9 +270,9 @@ test('models, solver, metric and visible elements are selected', async () => {
   await page.getByTestId('show-ghost').check();
   const gaps = await page.getByTestId('gaps').locator('[data-value]').all();
   expect(gaps).toHaveLength(3);
-  for (const gap of gaps) expect(Number(await gap.getAttribute('data-value'))).toBeGreaterThan(1e-6);
+  for (const gap of gaps) await expect.poll(async () => Number(await gap.getAttribute('data-value'))).toBeGreaterThan(1e-6);
   await page.getByRole('button', { name: 'Why the models differ' }).click();
-  expect(await page.getByRole('heading', { name: 'Why the models differ' }).isVisible()).toBe(true);
+  await expect.poll(() => page.getByRole('heading', { name: 'Why the models differ' }).isVisible()).toBe(true);
   await page.keyboard.press('Escape');
 });
 
@@ -280,10 +280,10 @@ test('the play scale is changed by slider and shortcut', async () => {
   await open();
   const slider = page.getByTestId('exaggeration');
   await slider.fill('0');
-  expect(await page.getByTestId('play-scale').textContent()).toBe('1×');
-  expect(await page.getByText('too small to see').isVisible()).toBe(true);
+  await expect.poll(() => page.getByTestId('play-scale').textContent()).toBe('1×');
+  await expect.poll(() => page.getByText('too small to see').isVisible()).toBe(true);
   await slider.fill('1000');
-  expect(await page.getByTestId('play-scale').textContent()).toBe('2000×');
+  await expect.poll(() => page.getByTestId('play-scale').textContent()).toBe('2000×');
   await page.keyboard.press('Control+z');
   await page.locator('body').press('-');
 });
@@ -309,9 +309,9 @@ test('settings persist between visits', async () => {
   await page.goto('about:blank');
   await load(page, server.address);
   await drawn(page);
-  expect(await page.evaluate(() => document.documentElement.dataset.theme)).toBe('dark');
-  expect(await page.getByTestId('joints').textContent()).toContain('mil');
-  expect(await value('azimuth')).toBe(77);
+  await expect.poll(() => page.evaluate(() => document.documentElement.dataset.theme)).toBe('dark');
+  await expect.poll(() => page.getByTestId('joints').textContent()).toContain('mil');
+  await expect.poll(() => value('azimuth')).toBe(77);
   await page.getByLabel('Theme').selectOption('light');
   await page.getByLabel('Length unit').selectOption('mm');
 });
@@ -335,7 +335,7 @@ test('view and pose are exported', async () => {
 test('keyboard shortcuts work and are listed', async () => {
   await open();
   await page.keyboard.press('?');
-  expect(await page.getByRole('heading', { name: 'Keyboard shortcuts' }).isVisible()).toBe(true);
+  await expect.poll(() => page.getByRole('heading', { name: 'Keyboard shortcuts' }).isVisible()).toBe(true);
   await page.keyboard.press('Escape');
   await page.keyboard.press('0');
   await drawn(page, 'pose.tilt.angle_rad < 1e-9');
@@ -347,7 +347,7 @@ test('keyboard shortcuts work and are listed', async () => {
   await drawn(page, "pose.models[0].model.virtualization === 'offset'");
   for (const key of ['1', '2', '6', 'f', 'p', 'o', 'o', 'g', 'n', 'v', 'a']) await page.keyboard.press(key);
   await page.keyboard.press('t');
-  expect(await page.evaluate(() => document.documentElement.dataset.theme)).toBe('dark');
+  await expect.poll(() => page.evaluate(() => document.documentElement.dataset.theme)).toBe('dark');
 });
 
 test('the page shows a lost connection and recovers after a restart of the server', async () => {
@@ -369,7 +369,7 @@ test('the page reports a server of another version after its restart', async () 
   await page.getByTestId('disconnected').waitFor();
   server = await serve(server.port);
   await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
-  expect(await note.count(), 'the same version').toBe(0);
+  await expect.poll(() => note.count(), { message: 'the same version' }).toBe(0);
   await server.stop();
   await page.getByTestId('disconnected').waitFor();
   await page.route((url) => url.pathname === '/', (route) => route.fulfill({ contentType: 'text/html', body: '<script type="module" src="./assets/index-0ther.js"></script>' }));
@@ -386,5 +386,5 @@ for (const theme of ['light', 'dark'] as const)
   test(`no accessibility violations, ${theme} theme`, async () => {
     await open();
     await page.getByLabel('Theme').selectOption(theme);
-    expect(await accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   });

@@ -70,7 +70,7 @@ for (const [theme, width, height] of [['light', 1440, 900], ['navy', 390, 844], 
     // As shown, without labels: a canvas may be empty between frames.
     expect((await page.locator('.playground .view').screenshot({ style: '.labels { visibility: hidden }' })).length).toBeGreaterThan(2000);
     const value = (name: string) => page.locator('.playground dl div', { hasText: name }).locator('dd').innerText();
-    expect(await page.getByLabel('polar').isChecked()).toBe(true);
+    await expect.poll(() => page.getByLabel('polar').isChecked()).toBe(true);
     const polar = await value('Shift of the centre');
     expect(polar).toMatch(/^\d+\.\d\d µm$/);
     await page.getByLabel('planar').check();
@@ -84,7 +84,7 @@ for (const [theme, width, height] of [['light', 1440, 900], ['navy', 390, 844], 
     await page.getByLabel('Tilt angle').fill('1.5');
     await until('the platform is tilted to its limit', async () => (await value('Shift of the centre')) !== '0.00 µm');
     await page.getByLabel('Tilt angle').fill('1.2');
-    expect(await accessibilityViolations(page, '.playground')).toEqual([]);
+    await expect.poll(() => accessibilityViolations(page, '.playground')).toEqual([]);
     expect(external).toEqual([]);
     expect(errors).toEqual([]);
     expect(bytes).toBeLessThan(3e6);
@@ -117,14 +117,14 @@ test('the gallery plays recorded motions, and the references are pages of the bo
   };
   await until('the mechanism is drawn', async () => (await drawn()) > 0);
   const mechanism = page.locator('.gallery select');
-  expect(await mechanism.inputValue()).toBe('four-bar');
-  expect(await mechanism.locator('option').count()).toBe(26);
-  expect(await page.getByLabel('Play the motion').isChecked()).toBe(false);
+  await expect.poll(() => mechanism.inputValue()).toBe('four-bar');
+  await expect.poll(() => mechanism.locator('option').count()).toBe(26);
+  await expect.poll(() => page.getByLabel('Play the motion').isChecked()).toBe(false);
   await changes('the links have moved', () => page.getByLabel('Position in the motion').fill('0'));
   await changes('another mechanism is drawn', () => mechanism.selectOption('bennett'));
   await changes('the motion plays', () => page.getByLabel('Play the motion').check());
   await page.getByLabel('Play the motion').uncheck();
-  expect(await accessibilityViolations(page, '.gallery')).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page, '.gallery')).toEqual([]);
   if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, 'gallery.png') });
   await page.getByRole('link', { name: 'Next chapter' }).first().waitFor();
   // The search of the book, and that of the documentation of the library.
@@ -147,16 +147,16 @@ for (const [path, width] of [['index', 1440], ['how-to/run-a-study-on-a-cluster'
   test(`the page ${path} of the book is accessible, and its table of contents opens by keys, at ${width} px`, async () => {
     const page = await visit(browser, { viewport: { width, height: 800 } });
     await page.goto(`${address}/docs/${path}.html`);
-    expect(await accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
     const toggle = page.locator('#mdbook-sidebar-toggle');
     const before = await toggle.getAttribute('aria-expanded');
     for (const key of ['Enter', 'Space']) {
       const is = await toggle.getAttribute('aria-expanded');
       await toggle.focus();
       await page.keyboard.press(key);
-      expect(await toggle.getAttribute('aria-expanded')).not.toBe(is);
-      expect(await page.locator('#mdbook-sidebar').getAttribute('aria-hidden')).toBe(is);
+      await expect.poll(() => toggle.getAttribute('aria-expanded')).not.toBe(is);
+      await expect.poll(() => page.locator('#mdbook-sidebar').getAttribute('aria-hidden')).toBe(is);
     }
-    expect(await toggle.getAttribute('aria-expanded')).toBe(before);
+    await expect.poll(() => toggle.getAttribute('aria-expanded')).toBe(before);
     await page.context().close();
   });

@@ -56,8 +56,8 @@ for (const { name, ready, shown, text } of VIEWS)
     // Light, as paper, although the page is dark.
     expect(Math.min(...corner)).toBeGreaterThan(200);
     expect(width).toBeGreaterThan(600);
-    for (const title of shown) expect(await page.locator('aside[data-dock] h2', { hasText: title }).first().isVisible(), title).toBe(true);
-    expect(await page.locator('aside[data-dock]').getByText(text).first().isVisible()).toBe(true);
+    for (const title of shown) await expect.poll(() => page.locator('aside[data-dock] h2', { hasText: title }).first().isVisible(), { message: title }).toBe(true);
+    await expect.poll(() => page.locator('aside[data-dock]').getByText(text).first().isVisible()).toBe(true);
     const controls = await page.locator('header, nav, input[type=range], [role=tab], .views, .timeline, .grip').evaluateAll((all) => all.filter((one) => (one as HTMLElement).offsetParent !== null).map(({ className }) => className));
     expect(controls).toEqual([]);
     const pdf = await page.pdf({ format: 'A4' });
@@ -83,11 +83,11 @@ test('a page printed before its view is loaded has the picture once the view is'
   await page.getByRole('button', { name: 'Cell', exact: true }).click();
   await until('the check', async () => (await page.getByTestId('check-result').getAttribute('data-state')) === 'passed');
   await page.emulateMedia({ media: 'print' });
-  expect(await page.getByText('The view was not loaded yet.').isVisible()).toBe(true);
-  expect(await page.locator('.printed canvas').isVisible()).toBe(false);
+  await expect.poll(() => page.getByText('The view was not loaded yet.').isVisible()).toBe(true);
+  await expect.poll(() => page.locator('.printed canvas').isVisible()).toBe(false);
   release();
   await until('the printed picture', async () => (await picture(page)).colors > 20);
-  expect(await page.getByText('The view was not loaded yet.').count()).toBe(0);
+  await expect.poll(() => page.getByText('The view was not loaded yet.').count()).toBe(0);
   expect(unhandled(heard)).toEqual([]);
   await page.context().close();
 });

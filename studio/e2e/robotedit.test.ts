@@ -71,8 +71,8 @@ test('a number changes robot, text and pose at once; comments remain, undo resto
   await edit();
   await type('field-socket-radius', '2 * 60');
   await holds('socket_radius_mm = 120.0');
-  expect((await text()).match(/socket_radius_mm = 120\.0/g)).toHaveLength(3);
-  expect(await text()).toContain('# The span of 508 mm');
+  await expect.poll(async () => (await text()).match(/socket_radius_mm = 120\.0/g)).toHaveLength(3);
+  await expect.poll(() => text()).toContain('# The span of 508 mm');
   // The displacement for a tilt is in proportion to the radius.
   await drawn(page, `Math.abs(pose.models[0].answer.displacement_m / ${before} - 120 / 93.218) < 1e-3`);
   await type('field-robot-ball_clearance', '20 µm');
@@ -87,7 +87,7 @@ test('a number changes robot, text and pose at once; comments remain, undo resto
   await page.getByRole('button', { name: 'Undo' }).click();
   await holds('socket_radius_mm = 93.218');
   await drawn(page, `Math.abs(pose.models[0].answer.displacement_m - ${before}) < 1e-12`);
-  expect(await page.getByTestId('robot-save').isDisabled()).toBe(true);
+  await expect.poll(() => page.getByTestId('robot-save').isDisabled()).toBe(true);
   await page.getByRole('button', { name: 'Redo' }).click();
   await holds('socket_radius_mm = 120.0');
   expect(readFileSync(file, 'utf8')).toBe(PAPER);
@@ -162,12 +162,12 @@ test('a file that changed on disk is not overwritten unseen', async () => {
   await page.getByTestId('robot-conflict-difference').locator('.added').filter({ hasText: 'socket_angle_deg = 125.0' }).waitFor();
   await page.getByRole('button', { name: 'Reload from disk' }).click();
   await holds('# another editor');
-  expect(await text()).toContain('socket_angle_deg = 120.0');
+  await expect.poll(() => text()).toContain('socket_angle_deg = 120.0');
   // The numbers follow the text once the server has read it.
   await until('the number of the file', async () => (await page.getByTestId('limb-2-angle').inputValue()) === '120');
   await type('limb-2-angle', 'many');
   await page.getByRole('alert').filter({ hasText: 'must be a number in degrees' }).waitFor();
-  expect(await page.getByTestId('limb-2-angle').inputValue()).toBe('120');
+  await expect.poll(() => page.getByTestId('limb-2-angle').inputValue()).toBe('120');
 });
 
 /** Opens a robot in the dialog *Open*. */
@@ -191,17 +191,17 @@ test('undo after opening another robot returns to the file of the server, its pa
   await holds('[-86.0, -85.5]');
   await open('paper.toml', PAPER);
   await holds('socket_radius_mm = 93.218');
-  expect(await page.getByTestId('robot-save').count()).toBe(0);
-  expect(await fileName()).toBe('paper.toml');
+  await expect.poll(() => page.getByTestId('robot-save').count()).toBe(0);
+  await expect.poll(() => fileName()).toBe('paper.toml');
   await type('field-socket-radius', '100');
   await holds('socket_radius_mm = 100.0');
   await undo();
   await holds('socket_radius_mm = 93.218');
-  expect(await fileName()).toBe('paper.toml');
+  await expect.poll(() => fileName()).toBe('paper.toml');
   await undo();
   await holds('[-86.0, -85.5]');
   await until('the name is restored', async () => (await fileName()) === 'mine.toml: unsaved changes');
-  expect(await page.getByTestId('parameter-r').inputValue()).toBe('85');
+  await expect.poll(() => page.getByTestId('parameter-r').inputValue()).toBe('85');
   await until('the radius is that of the parameter', async () => (await page.getByTestId('limb-1-radius').inputValue()) === '85');
   await page.getByTestId('robot-save').click();
   await saved();
@@ -221,14 +221,14 @@ test('changes of fields are made after a reconnection, as an undo step', async (
   await type('field-socket-radius', '120');
   await page.getByTestId('disconnected').waitFor();
   await type('field-robot-tilt_limit', '1');
-  expect(await text()).toContain('socket_radius_mm = 93.218');
+  await expect.poll(() => text()).toContain('socket_radius_mm = 93.218');
   await page.unroute('**/api/v1/**');
   await holds('socket_radius_mm = 120.0');
   await holds('tilt_deg = 1.0');
-  expect((await text()).match(/socket_radius_mm = 120\.0/g)).toHaveLength(3);
+  await expect.poll(async () => (await text()).match(/socket_radius_mm = 120\.0/g)).toHaveLength(3);
   await undo();
   await holds('socket_radius_mm = 93.218');
-  expect(await text()).toContain('socket_angle_deg = 125.0');
+  await expect.poll(() => text()).toContain('socket_angle_deg = 125.0');
   expect(heard.splice(0).filter((line) => !line.includes('ERR_FAILED'))).toEqual([]);
 });
 
@@ -241,10 +241,10 @@ test('expressions are shown and not overwritten; parameters change what depends 
   await load(page, server.address);
   await drawn(page);
   await edit();
-  expect(await page.getByTestId('limb-1-radius').isDisabled()).toBe(true);
-  expect(await page.getByTestId('limb-1-radius').inputValue()).toBe('85');
-  expect(await page.getByTestId('parameter-r').inputValue()).toBe('85');
-  expect(await page.getByTestId('limb-3-radius').isDisabled()).toBe(false);
+  await expect.poll(() => page.getByTestId('limb-1-radius').isDisabled()).toBe(true);
+  await expect.poll(() => page.getByTestId('limb-1-radius').inputValue()).toBe('85');
+  await expect.poll(() => page.getByTestId('parameter-r').inputValue()).toBe('85');
+  await expect.poll(() => page.getByTestId('limb-3-radius').isDisabled()).toBe(false);
   await type('parameter-r', '90');
   await holds('r = 90.0 # as ordered');
   await until('the radius follows', async () => (await page.getByTestId('limb-1-radius').inputValue()) === '90');
@@ -266,18 +266,18 @@ test('a motion is compared under several models, plotted as the user wants, and 
   await page.getByTestId('plot-shown-linear').uncheck();
   await page.getByTestId('own-y-planar:torsion_rad').check();
   await page.getByTestId('own-x').selectOption('tilt_rad');
-  expect(await page.getByTestId('own-y-q1_m').isDisabled(), 'another unit').toBe(true);
+  await expect.poll(() => page.getByTestId('own-y-q1_m').isDisabled(), { message: 'another unit' }).toBe(true);
   await page.getByTestId('own-unit').selectOption('mrad');
   await page.getByTestId('own-add').click();
   await page.getByTestId('layout-name').fill('two models');
   await page.getByTestId('layout-save').click();
-  expect(await accessibilityViolations(page)).toEqual([]);
+  await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   await page.getByTestId('plot-menu-close').click();
   await page.getByTestId('plot-own-1').waitFor();
-  expect(await page.getByTestId('plot-linear').count()).toBe(0);
+  await expect.poll(() => page.getByTestId('plot-linear').count()).toBe(0);
   const names = () => page.getByTestId('plot-displacement').locator('.legend').allTextContents();
   await until('both models are plotted', async () => (await names()).length === 2);
-  expect((await names()).map((name) => name.trim().split(' ')[0])).toEqual(['polar', 'planar']);
+  await expect.poll(async () => (await names()).map((name) => name.trim().split(' ')[0])).toEqual(['polar', 'planar']);
 
   // Values at two samples and their difference are those of the poses.
   const displacement = () => page.evaluate(() => window.jointplay.probe.pose!.models.find(({ model }) => model.virtualization === 'planar')!.answer!.displacement_m);
@@ -308,7 +308,7 @@ test('a motion is compared under several models, plotted as the user wants, and 
   await page.getByTestId('layout-two models').click();
   await page.getByTestId('plot-menu-close').click();
   await page.getByTestId('plot-own-1').waitFor();
-  expect(await page.getByTestId('plot-linear').count()).toBe(0);
+  await expect.poll(() => page.getByTestId('plot-linear').count()).toBe(0);
 });
 
 test('a point of a plot of two quantities is a sample', async () => {
@@ -368,7 +368,7 @@ for (const theme of ['light', 'dark'])
     await page.getByTestId('figure').selectOption('6');
     await page.getByTestId('all-plots').click();
     await page.getByTestId('show-values').click();
-    expect(await accessibilityViolations(page)).toEqual([]);
+    await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   });
 
 for (const [width, height] of [[390, 844], [720, 450], [1024, 700], [1440, 900], [1920, 1080]] as const)
@@ -394,7 +394,7 @@ for (const [width, height] of [[390, 844], [720, 450], [1024, 700], [1440, 900],
 test('an unsaved text survives a reload, and is restored or discarded', async () => {
   page.on('dialog', (dialog) => void dialog.accept());
   const draft = page.getByTestId('robot-draft');
-  expect(await draft.count()).toBe(0);
+  await expect.poll(() => draft.count()).toBe(0);
   await edit();
   await type('field-socket-radius', '101.5');
   await holds('socket_radius_mm = 101.5');
@@ -407,14 +407,14 @@ test('an unsaved text survives a reload, and is restored or discarded', async ()
   await holds('socket_radius_mm = 102.5');
   await draft.getByRole('button', { name: 'Restore' }).click();
   await holds('socket_radius_mm = 101.5');
-  expect(await draft.count()).toBe(0);
+  await expect.poll(() => draft.count()).toBe(0);
   await page.keyboard.press('Escape');
   await page.getByTestId('robot-save').click();
   await saved();
   expect(readFileSync(file, 'utf8')).toContain('socket_radius_mm = 101.5');
   await reload(page);
   await drawn(page);
-  expect(await draft.count(), 'a saved text is no draft').toBe(0);
+  await expect.poll(() => draft.count(), { message: 'a saved text is no draft' }).toBe(0);
   await edit();
   await type('field-socket-radius', '103.5');
   await holds('socket_radius_mm = 103.5');
@@ -422,7 +422,7 @@ test('an unsaved text survives a reload, and is restored or discarded', async ()
   await draft.getByRole('button', { name: 'Discard' }).click();
   await reload(page);
   await drawn(page);
-  expect(await draft.count()).toBe(0);
+  await expect.poll(() => draft.count()).toBe(0);
 });
 
 for (const [size, times] of [['1 mm', 0.005], ['10 m', 45]] as const)
@@ -440,5 +440,5 @@ for (const [size, times] of [['1 mm', 0.005], ['10 m', 45]] as const)
     server = await serve(0, ['--robot', file]);
     await load(page, server.address);
     await drawn(page);
-    expect(Math.abs((await width()) / before - 1)).toBeLessThan(0.5);
+    await expect.poll(async () => Math.abs((await width()) / before - 1)).toBeLessThan(0.5);
   });

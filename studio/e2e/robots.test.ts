@@ -135,7 +135,7 @@ test('an invalid mesh is reported, and the generated part stays', async () => {
     await load(page, address);
     await drawn(page);
     await page.getByRole('alert').filter({ hasText: 'The mesh of the base cannot be displayed: the file has no triangles.' }).waitFor();
-    expect(await shown(page)).toEqual({});
+    await expect.poll(() => shown(page)).toEqual({});
   });
 });
 
@@ -150,14 +150,14 @@ test('a link of another robot is reported, and stored settings are separate for 
     link = new URL(page.url()).hash;
     await reload(page);
     await drawn(page, 'Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9');
-    expect(await page.getByTestId('foreign-robot').count()).toBe(0);
+    await expect.poll(() => page.getByTestId('foreign-robot').count()).toBe(0);
   });
   await at(robot({}, other), async (page, address) => {
     await load(page, address + link);
     await page.getByTestId('foreign-robot').filter({ hasText: 'another robot, “GPR of the paper”' }).waitFor();
     await drawn(page, 'Math.abs(pose.tilt.angle_rad - Math.PI / 180) < 1e-9');
     await page.getByRole('button', { name: 'Dismiss the note about the link' }).click();
-    expect(await page.getByTestId('foreign-robot').count()).toBe(0);
+    await expect.poll(() => page.getByTestId('foreign-robot').count()).toBe(0);
   });
 });
 
@@ -189,7 +189,7 @@ working = { height_mm = 300 }
     // The play is visible, and less than the drawn gap of the bearings.
     expect(first * displaced_mm).toBeGreaterThan(3);
     expect(first * displaced_mm).toBeLessThanOrEqual(18.5);
-    expect(await page.getByRole('button', { name: 'Undo' }).isDisabled()).toBe(true);
+    await expect.poll(() => page.getByRole('button', { name: 'Undo' }).isDisabled()).toBe(true);
     // A chosen play scale stays, also after a reload.
     await page.getByTestId('exaggeration').fill('900');
     await until('the chosen one', async () => (await scale()) !== `${first}×`);
@@ -197,7 +197,7 @@ working = { height_mm = 300 }
     await until('the link has it', async () => page.url().includes(`play=${chosen.replace('×', '')}`));
     await reload(page);
     await drawn(page);
-    expect(await scale()).toBe(chosen);
+    await expect.poll(() => scale()).toBe(chosen);
   } finally {
     await page.context().close();
     await server.stop();

@@ -56,18 +56,18 @@ async function hold(): Promise<() => Promise<void>> {
 /** The result is shown as outdated wherever it is shown. */
 async function outdated(): Promise<void> {
   await checkResult('outdated');
-  expect(await page.getByTestId('check-result').innerText()).toContain('Outdated');
-  expect(await page.getByText('No violations of reach').count()).toBe(0);
-  expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('true');
-  expect(await page.getByTestId('outdated').isVisible()).toBe(true);
-  expect(await page.title()).toMatch(/^Outdated/);
+  await expect.poll(() => page.getByTestId('check-result').innerText()).toContain('Outdated');
+  await expect.poll(() => page.getByText('No violations of reach').count()).toBe(0);
+  await expect.poll(() => page.getByTestId('gantt').getAttribute('data-outdated')).toBe('true');
+  await expect.poll(() => page.getByTestId('outdated').isVisible()).toBe(true);
+  await expect.poll(() => page.title()).toMatch(/^Outdated/);
 }
 /** And valid again. */
 async function valid(): Promise<void> {
   await checkResult('passed');
-  expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
-  expect(await page.getByTestId('outdated').count()).toBe(0);
-  expect(await page.title()).toMatch(/^No violations/);
+  await expect.poll(() => page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
+  await expect.poll(() => page.getByTestId('outdated').count()).toBe(0);
+  await expect.poll(() => page.title()).toMatch(/^No violations/);
 }
 
 test('typing makes the result outdated until the text is checked', async () => {
@@ -103,17 +103,17 @@ test('typing a number makes the result outdated until its change is checked', as
   await outdated();
   await held();
   await checkResult('failed');
-  expect(await page.title()).toMatch(/^\d+ violations \(unsaved\)/);
+  await expect.poll(() => page.title()).toMatch(/^\d+ violations \(unsaved\)/);
   // Parts in collision lose their colour with the result.
   const colour = () => page.evaluate(() => window.jointplay.probe.cell!.violationColor());
   const red = await colour();
   const last = await hold();
   await page.getByRole('button', { name: 'Undo' }).click();
   await outdated();
-  expect(await colour()).not.toBe(red);
+  await expect.poll(() => colour()).not.toBe(red);
   await last();
   await valid();
-  expect(await colour()).toBe(red);
+  await expect.poll(() => colour()).toBe(red);
 });
 
 test('dragging a station makes the result outdated', async () => {
@@ -141,10 +141,12 @@ test('dragging a station makes the result outdated', async () => {
   await release();
   // Checked, whatever the result.
   await until('it is checked', async () => ['passed', 'failed'].includes((await shown())!));
-  expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
+  await expect.poll(() => page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
 });
 
 test('without a server the result is outdated and saving fails; the page recovers by itself', async () => {
+  // The editor is a part of the page that is loaded when the text is first shown.
+  await editor().waitFor();
   await fixture.server.stop();
   // Without any input, the page notices by itself.
   await outdated();
@@ -168,14 +170,14 @@ test('edits, undo history and the open text persist in the robot view', async ()
   await checkResult('passed');
   await page.getByRole('button', { name: 'Robot', exact: true }).click();
   await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.frames > 0));
-  expect(await page.title()).toBe('jointplay studio');
+  await expect.poll(() => page.title()).toBe('jointplay studio');
   let fetched = 0;
   page.on('request', (request) => void (fetched += Number(/\/cell(\/plan|\/motion.glb)?$/.test(request.url()))));
   await page.getByRole('button', { name: 'Cell', exact: true }).click();
   await editor().waitFor();
-  expect(await text()).toContain('# one');
-  expect(await shown()).toBe('passed');
-  expect(await page.getByTestId('save').isEnabled()).toBe(true);
+  await expect.poll(() => text()).toContain('# one');
+  await expect.poll(() => shown()).toBe('passed');
+  await expect.poll(() => page.getByTestId('save').isEnabled()).toBe(true);
   await until('it is drawn', async () => (await partNames(page)).length > 0);
   expect(fetched, 'what is there is not fetched again').toBe(0);
   // The editor is a new one, and undoes what was typed into the old one all the same.
@@ -183,7 +185,7 @@ test('edits, undo history and the open text persist in the robot view', async ()
   await page.keyboard.press('Control+z');
   await until('it is undone', async () => !(await text()).includes('# one'));
   await checkResult('passed');
-  expect(await page.getByTestId('save').isDisabled()).toBe(true);
+  await expect.poll(() => page.getByTestId('save').isDisabled()).toBe(true);
 });
 
 test('closing with unsaved changes requires a confirmation, and reloading restores them', async () => {
@@ -200,12 +202,12 @@ test('closing with unsaved changes requires a confirmation, and reloading restor
   await reload(page);
   expect(asked).toEqual(['beforeunload']);
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
-  expect(await text()).toContain('# draft');
+  await expect.poll(() => text()).toContain('# draft');
   await checkResult('passed');
-  expect(await page.title()).toContain('(unsaved)');
+  await expect.poll(() => page.title()).toContain('(unsaved)');
   await page.getByRole('button', { name: 'Discard' }).click();
   await until('the text is the file’s', async () => !(await text()).includes('# draft'));
-  expect(await page.getByTestId('draft').count()).toBe(0);
+  await expect.poll(() => page.getByTestId('draft').count()).toBe(0);
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('it can be had back', async () => (await text()).includes('# draft'));
   await page.getByTestId('save').click();
@@ -214,8 +216,8 @@ test('closing with unsaved changes requires a confirmation, and reloading restor
   await reload(page);
   await checkResult('passed');
   expect(asked).toEqual([]);
-  expect(await page.getByTestId('draft').count()).toBe(0);
-  expect(await text()).toContain('# draft');
+  await expect.poll(() => page.getByTestId('draft').count()).toBe(0);
+  await expect.poll(() => text()).toContain('# draft');
 });
 
 test('a draft of changed files is offered and not applied', async () => {
@@ -225,15 +227,15 @@ test('a draft of changed files is offered and not applied', async () => {
   writeFileSync(fixture.programFile, `${SHORT_PROGRAM}# theirs\n`);
   await reload(page);
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
-  expect(await text()).toContain('# theirs');
+  await expect.poll(() => text()).toContain('# theirs');
   await append('# more\n');
   await checkResult('passed');
   await reload(page);
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
-  expect(await text()).toContain('# more');
+  await expect.poll(() => text()).toContain('# more');
   await page.getByRole('button', { name: 'Discard' }).click();
   await checkResult('passed');
-  expect(await text()).not.toContain('# mine');
+  await expect.poll(() => text()).not.toContain('# mine');
 });
 
 test('a draft of another version is restored on request, and undo reverts it', async () => {
@@ -245,7 +247,7 @@ test('a draft of another version is restored on request, and undo reverts it', a
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
   await page.getByRole('button', { name: 'Restore' }).click();
   await until('mine is there', async () => (await text()).includes('# mine'));
-  expect(await text()).not.toContain('# theirs');
+  await expect.poll(() => text()).not.toContain('# theirs');
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('theirs is there', async () => (await text()).includes('# theirs'));
 });
@@ -270,16 +272,16 @@ test('another cell is opened and downloaded, and the files of the server remain'
   await page.keyboard.press('Control+o');
   await page.getByTestId('open-file').setInputFiles({ name: 'other.toml', mimeType: 'text/plain', buffer: Buffer.from(other) });
   await until('it is open', async () => (await file()) === 'other.toml, not on the server');
-  expect(await page.getByTestId('save').count()).toBe(0);
-  expect((await text()).trim(), 'the program of the server is not that of the other cell').toBe('');
+  await expect.poll(() => page.getByTestId('save').count()).toBe(0);
+  await expect.poll(async () => (await text()).trim(), { message: 'the program of the server is not that of the other cell' }).toBe('');
   await editor().click();
   await page.keyboard.insertText(SHORT_PROGRAM);
   await checkResult('passed');
-  expect(await file()).toBe('other.toml, not on the server: Unsaved changes');
+  await expect.poll(() => file()).toBe('other.toml, not on the server: Unsaved changes');
   // Ctrl+S downloads the changed text.
   const [program] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('Control+s')]);
   expect([program.suggestedFilename(), (await bytesOf(program)).toString('utf8')]).toEqual(['other.program', SHORT_PROGRAM]);
-  expect(await file()).toBe('other.toml, not on the server');
+  await expect.poll(() => file()).toBe('other.toml, not on the server');
   const [cell] = await Promise.all([page.waitForEvent('download'), page.getByTestId('cell-download').click()]);
   expect([cell.suggestedFilename(), (await bytesOf(cell)).toString('utf8')]).toEqual(['other.toml', other]);
   // Undo returns to the files of the server with their unsaved changes.
@@ -288,7 +290,7 @@ test('another cell is opened and downloaded, and the files of the server remain'
   await until('the program is empty again', async () => (await text()).trim() === '');
   await undo.click();
   await until('the file of the server is shown', async () => (await file()) === 'mine.toml: Unsaved changes');
-  expect(await text()).toContain('# mine');
+  await expect.poll(() => text()).toContain('# mine');
   await page.getByRole('button', { name: 'Redo' }).click();
   await until('the other cell is shown again', async () => (await file()).startsWith('other.toml, not on the server'));
   await page.keyboard.press('Control+o');
@@ -314,7 +316,7 @@ test('a cell and its program are opened together', async () => {
   await input.setInputFiles([file('other.program', program), file('other.toml', other)]);
   await page.locator('dialog[open]').waitFor({ state: 'hidden' });
   await until('the program is shown', async () => (await text()).includes('GET LP1 SLOT 3 WITH B'));
-  expect(await page.getByTestId('cell-file').innerText()).toBe('other.toml, not on the server');
+  await expect.poll(() => page.getByTestId('cell-file').innerText()).toBe('other.toml, not on the server');
   await checkResult('passed');
 });
 
@@ -327,7 +329,7 @@ test('a program is opened in the current cell, and undo returns to the previous 
   await page.locator('dialog[open]').waitFor({ state: 'hidden' });
   await until('the program is shown', async () => (await text()).includes('GET LP1 SLOT 2 WITH B'));
   await checkResult('passed');
-  expect(await page.getByTestId('cell-file').innerText()).toBe('mine.toml: Unsaved changes');
+  await expect.poll(() => page.getByTestId('cell-file').innerText()).toBe('mine.toml: Unsaved changes');
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('the previous program is shown', async () => (await text()) === before);
   await checkResult('passed');
@@ -347,8 +349,8 @@ test('the draft of the files of the server remains while another cell is open', 
   await reload(page);
   await checkResult('passed');
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
-  expect(await page.getByTestId('cell-file').innerText()).toBe('mine.toml: Unsaved changes');
-  expect(await text()).toContain('# draft');
+  await expect.poll(() => page.getByTestId('cell-file').innerText()).toBe('mine.toml: Unsaved changes');
+  await expect.poll(() => text()).toContain('# draft');
 });
 
 test('the list of shortcuts is that of the current view', async () => {
@@ -356,14 +358,14 @@ test('the list of shortcuts is that of the current view', async () => {
   await page.keyboard.press('?');
   await page.getByRole('heading', { name: 'Keyboard shortcuts, cell view' }).waitFor();
   // Not a button at the end of the list, to which a small window would scroll, and which Enter would press.
-  expect(await page.evaluate(() => document.activeElement?.id)).toBe('help-title');
+  await expect.poll(() => page.evaluate(() => document.activeElement?.id)).toBe('help-title');
   const dialog = page.locator('dialog[open]');
-  expect(await dialog.innerText()).toContain('save, also in the editor');
-  for (const foreign of ['next virtualization', '90 pixels', 'up by 1 mm']) expect(await dialog.innerText()).not.toContain(foreign);
+  await expect.poll(() => dialog.innerText()).toContain('save, also in the editor');
+  for (const foreign of ['next virtualization', '90 pixels', 'up by 1 mm']) await expect.poll(() => dialog.innerText()).not.toContain(foreign);
   await page.keyboard.press('Escape');
   await page.getByRole('button', { name: 'Robot', exact: true }).click();
   await page.locator('body').press('?');
   await page.getByRole('heading', { name: 'Keyboard shortcuts, robot view' }).waitFor();
-  expect(await page.locator('dialog[open]').innerText()).toContain('90 pixels');
+  await expect.poll(() => page.locator('dialog[open]').innerText()).toContain('90 pixels');
   await page.keyboard.press('Escape');
 });

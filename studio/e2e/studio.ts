@@ -6,14 +6,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import axe from 'axe-core';
 import { chromium, type Browser, type BrowserContextOptions, type Download, type Page } from 'playwright-core';
-import { options, RUNNING } from './browser';
-
-/**
- * Timeout of every wait of a test [ms].
- *
- * Tests wait for a state of the page, however long a busy machine takes; `TIMEOUT_S` shortens the timeout during development.
- */
-export const TIMEOUT_MS = Number(process.env.TIMEOUT_S ?? 240) * 1000;
+import { options, RUNNING, TIMEOUT_MS } from './browser';
 
 export const ROOT = resolve(import.meta.dirname, '../..');
 export const COMMAND = process.env.JOINTPLAY_COMMAND ?? resolve(ROOT, 'target/debug/jointplay');
@@ -65,10 +58,19 @@ export async function browse(): Promise<Browser> {
 /** Device pixels in a pixel of the page: software rendering takes time for each of them, and tests look at few. */
 const SCALE = 0.5;
 
+/** Longest delay of an answer to the page [ms], for half of them: a slow network, which a test must not depend on. */
+const DELAY_MS = Number(process.env.DELAY_S ?? 0) * 1000;
+
 /** A new page in a browser context of its own. */
 export async function visit(browser: Browser, more: BrowserContextOptions = {}): Promise<Page> {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce', acceptDownloads: true, deviceScaleFactor: SCALE, ...more });
   context.setDefaultTimeout(TIMEOUT_MS);
+  if (DELAY_MS > 0)
+    await context.route('**', async (route) => {
+      if (Math.random() < 0.5) await new Promise((wait) => setTimeout(wait, Math.random() * DELAY_MS));
+      // The page may be closed by now.
+      await route.fallback().catch(() => {});
+    });
   return context.newPage();
 }
 

@@ -1,4 +1,5 @@
 import { defineConfig } from 'vitest/config';
+import { TIMEOUT_MS } from './browser';
 
 // One browser, one server, one test after another: they share a machine that draws in software.
 export default defineConfig({
@@ -10,6 +11,7 @@ export default defineConfig({
     // Each wait within a test has a limit of its own, and its message names the awaited state.
     testTimeout: 0,
     hookTimeout: 0,
+    expect: { poll: { timeout: TIMEOUT_MS, interval: 80 } },
     reporters: ['verbose'],
   },
 });

@@ -80,27 +80,27 @@ const coveredJoints = () =>
 /** Checks the page: no rule of accessibility is violated, nothing scrolls sideways, and each control can be used. */
 async function good(name: string, part = 'body'): Promise<void> {
   await picture(name);
-  expect(await unusable(part), name).toEqual([]);
-  expect(await page.evaluate(() => document.documentElement.scrollWidth), name).toBeLessThanOrEqual(page.viewportSize()!.width);
-  expect(await accessibilityViolations(page), name).toEqual([]);
+  await expect.poll(() => unusable(part), { message: name }).toEqual([]);
+  await expect.poll(() => page.evaluate(() => document.documentElement.scrollWidth), { message: name }).toBeLessThanOrEqual(page.viewportSize()!.width);
+  await expect.poll(() => accessibilityViolations(page), { message: name }).toEqual([]);
 }
 
 /** Opens a drawer by the keyboard, checks it, and closes it. */
 async function drawer(side: 'left' | 'right', name: string, does: () => Promise<void> = async () => {}): Promise<void> {
   const button = page.getByTestId(`drawer-${side}-button`);
   const opened = page.locator(`#drawer-${side}`);
-  expect(await opened.isVisible(), name).toBe(false);
+  await expect.poll(() => opened.isVisible(), { message: name }).toBe(false);
   await button.focus();
   await page.keyboard.press('Enter');
   await opened.waitFor();
   await until('the focus is in the drawer', () => opened.evaluate((one) => one.contains(document.activeElement)));
   await does();
   // A part of the view remains visible.
-  expect((await opened.boundingBox())!.width).toBeLessThanOrEqual(0.75 * page.viewportSize()!.width);
+  await expect.poll(async () => (await opened.boundingBox())!.width).toBeLessThanOrEqual(0.75 * page.viewportSize()!.width);
   await good(name, `#drawer-${side}`);
   await page.keyboard.press('Escape');
   await until('it is closed', async () => !(await opened.isVisible()));
-  expect(await button.evaluate((one) => one === document.activeElement), 'the focus returns').toBe(true);
+  await expect.poll(() => button.evaluate((one) => one === document.activeElement), { message: 'the focus returns' }).toBe(true);
 }
 
 for (const [width, height] of [[720, 450], [512, 350]] as const) {
@@ -123,7 +123,7 @@ for (const [width, height] of [[720, 450], [512, 350]] as const) {
     await page.getByTestId('edit-robot').click();
     const editor = page.getByTestId('robot-editor');
     await editor.locator('input').first().waitFor();
-    expect((await editor.boundingBox())!.height).toBeGreaterThan(200);
+    await expect.poll(async () => (await editor.boundingBox())!.height).toBeGreaterThan(200);
     await good('editor', '[data-testid=robot-editor]');
     await page.getByTestId('edit-robot').click();
     await until('it is closed', async () => (await editor.count()) === 0);
@@ -165,7 +165,7 @@ for (const [width, height] of [[720, 450], [512, 350]] as const) {
 
   test(`the cell view, its texts and its panels ${size}`, async () => {
     await at(width, height, 'cell');
-    expect((await page.locator('.scene').boundingBox())!.height).toBeGreaterThan(190);
+    await expect.poll(async () => (await page.locator('.scene').boundingBox())!.height).toBeGreaterThan(190);
     await good('cell');
     for (const tab of ['Steps', 'Parts', 'Cell file', 'Program'])
       await drawer('left', `cell-${tab.toLowerCase().replace(' ', '-')}`, () => page.getByRole('tab', { name: tab }).click());
@@ -183,7 +183,7 @@ test('a line that a violation refers to is shown in the drawer of the texts', as
   await page.keyboard.insertText('HOME\nMOVE T -90 deg RA 60 deg\nHOME\n');
   // In the editor, Escape leaves it, and the drawer remains.
   await page.keyboard.press('Escape');
-  expect(await page.locator('#drawer-left').isVisible()).toBe(true);
+  await expect.poll(() => page.locator('#drawer-left').isVisible()).toBe(true);
   await page.getByTestId('drawer-right-button').click();
   await until('only one drawer is open', async () => !(await page.locator('#drawer-left').isVisible()));
   const violation = page.getByTestId('violations').getByRole('button').first();
