@@ -44,9 +44,8 @@ test('a robot is seen where its host moves it', async () => {
   await until('the host is listed', async () => (await text('controller-command')) === 'At rest');
   host.write('MOVE RA 900\nGET LP1 3 A\n');
   await until('the robot moves', async () => (await text('controller-command')) === 'GET LP1 3 A' && (await elapsed()) > 0);
-  const events = await text('controller-events');
-  expect(events).toContain('GET LP1 3 A: Accepted, 4.035 s');
-  expect(events).toMatch(/MOVE RA 900: Refused \(unreachable\): .*axis RA at 900/);
+  await expect.poll(() => text('controller-events')).toContain('GET LP1 3 A: Accepted, 4.035 s');
+  await expect.poll(() => text('controller-events')).toMatch(/MOVE RA 900: Refused \(unreachable\): .*axis RA at 900/);
   // The view has the frames of the host: the arm turns.
   const origin = () => page.evaluate(() => (window as unknown as { jointplay: { probe: { cell: { origin(name: string): number[] | null } } } }).jointplay.probe.cell.origin('upper link 2'));
   const before = await origin();

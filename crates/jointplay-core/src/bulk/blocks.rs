@@ -4,12 +4,11 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
-use super::results::{Needs, PLACES, Results, place, repeat};
+use super::results::{Anything, Extent, Joints, Needs, OfPlatform, PLACES, Results, place, repeat};
 use super::{Column, Quantity, Status, singular_values};
 use crate::gpr::{Gpr, Limits};
 use crate::kernel::{
-    self, Balls, Found, Geometry, Lanes, Mask, Method, Model, Plane, PlatformPoses, Shape, Task,
-    Three,
+    self, Balls, Found, Lanes, Mask, Method, Model, Plane, PlatformPoses, Shape, Task, Three,
 };
 use crate::virtualization::signed_area;
 
@@ -42,14 +41,12 @@ impl Within {
     }
 
     #[inline(always)]
-    fn holds<S: Simd>(&self, geometry: &Geometry, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
-        let horizontal = Plane::new(geometry, balls).horizontal_squared();
-        let (least, most) = (horizontal.like(self.rod_min), horizontal.like(self.rod_max));
-        let mut within = horizontal.at_most(horizontal.like(self.horizontal_squared));
-        for rod in rods {
-            within = within & least.at_most(*rod) & rod.at_most(most);
-        }
-        within
+    fn holds<S: Simd>(&self, rods: &Three<S>, plane: &Plane<S>) -> Mask<S> {
+        // A rod that is not a number may pass; its pose is found by [`Balls::moderate`].
+        let ([q_1, q_2, q_3], any) = (*rods, rods[0]);
+        plane.horizontal_squared().at_most(any.like(self.horizontal_squared))
+            & any.like(self.rod_min).at_most(q_1.min(q_2).min(q_3))
+            & q_1.max(q_2).max(q_3).at_most(any.like(self.rod_max))
     }
 }
 
@@ -59,11 +56,27 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, M, W> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let needs = Needs::of(self.wanted);
+        // Where a pose takes steps, or instructions are few, the loop for anything is as fast.
+        let fast = W::DIRECT && Lanes::<S>::COUNT > 2;
+        if fast && needs.only_joints {
+            self.all::<S, Joints>(simd, &needs)
+        } else if fast && needs.only_platform {
+            self.all::<S, OfPlatform>(simd, &needs)
+        } else {
+            self.all::<S, Anything>(simd, &needs)
+        }
+    }
+}
+
+impl<M: Model, W: Method> Blocks<'_, '_, M, W> {
+    /// Computes all poses; whether some remain without an answer.
+    #[inline(always)]
+    fn all<S: Simd, E: Extent>(self, simd: S, needs: &Needs) -> bool {
         let Self { rods: columns, status, wanted, task, limits, method, .. } = self;
         let count = Lanes::<S>::COUNT;
         let poses = status.len();
         let (whole, blocks) = (poses / count, poses.div_ceil(count));
-        let needs = Needs::of(wanted);
         let given = columns.map(Column::blocks::<S>);
         let mut rest = [simd.splat_f64s(0.0); PLACES];
         let mut doubtful = false;
@@ -78,12 +91,20 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, M, W> {
                 let [q_1, q_2, q_3] = &given;
                 let rods = [q_1.block(simd, block), q_2.block(simd, block), q_3.block(simd, block)];
                 let balls = Balls::new(task.geometry, rods);
-                let found = method.found::<S, M>(&task, &balls);
+                let plane = Plane::new(task.geometry, &balls);
+                let found = method.found::<S, M>(&task, &balls, &plane);
                 results.select(block - written_from);
-                let certain = fill::<S, M, W>(&mut results, &needs, &method, &task, &balls, &found);
+                let certain = fill::<S, M, W, E>(
+                    &mut results,
+                    needs,
+                    &method,
+                    &task,
+                    (&balls, &plane),
+                    &found,
+                );
                 let mut solved = found.met & certain & balls.moderate(&rods);
                 if let Some(limits) = &limits {
-                    solved = solved & limits.holds(task.geometry, &rods, &balls);
+                    solved = solved & limits.holds(&rods, &plane);
                 }
                 if !solved.all() {
                     doubtful = true;
@@ -107,17 +128,17 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, M, W> {
 
 /// Writes the values that are needed, each what [`value`](super::forward::value) is for one pose; returns the lanes whose values are valid.
 #[inline(always)]
-fn fill<S: Simd, M: Model, W: Method>(
+fn fill<S: Simd, M: Model, W: Method, E: Extent>(
     results: &mut Results<'_, S>,
     needs: &Needs,
     method: &W,
     task: &Task<'_>,
-    balls: &Balls<S>,
+    (balls, plane): (&Balls<S>, &Plane<S>),
     found: &Found<S>,
 ) -> Mask<S> {
     let zero = balls.mean.like(0.0);
     let mut certain = zero.at_most(zero);
-    if needs.iterations {
+    if E::ANYTHING && needs.iterations {
         results.put(Quantity::Iterations, found.iterations);
     }
     for k in 0..3 {
@@ -126,22 +147,22 @@ fn fill<S: Simd, M: Model, W: Method>(
             results.put(Quantity::VirtualJoint(3 + k), found.b[k]);
         }
     }
-    if needs.virtual_displacements {
+    if E::ANYTHING && needs.virtual_displacements {
         let start = task.geometry.start::<M>();
         for (k, start) in start.into_iter().enumerate() {
             results.put(Quantity::VirtualDisplacement(k), found.a[k] - start);
             results.put(Quantity::VirtualDisplacement(3 + k), found.b[k]);
         }
     }
-    if needs.sides {
+    if E::ANYTHING && needs.sides {
         for k in 0..3 {
             results.put(Quantity::Side(k), balls.squares[k].sqrt());
         }
     }
-    if needs.displacement {
+    if E::ANYTHING && needs.displacement {
         results.put(Quantity::Displacement, displacement::<S, M>(task, found));
     }
-    if needs.ball_displacements {
+    if E::ANYTHING && needs.ball_displacements {
         let shape = Shape::at::<M>(task.geometry, found.a, found.b);
         for (k, displacement) in shape.ball_displacements(task.geometry).into_iter().enumerate() {
             results.put(Quantity::BallDisplacement(k), displacement);
@@ -150,8 +171,8 @@ fn fill<S: Simd, M: Model, W: Method>(
     if needs.residual {
         results.put(Quantity::Residual, found.residual(task.geometry, balls));
     }
-    if needs.pose {
-        let placed = method.placed::<S, M>(task.geometry, balls, found);
+    if E::PLATFORM && needs.pose {
+        let placed = method.placed::<S, M>(task.geometry, balls, plane, found);
         for axis in 0..3 {
             results.put(Quantity::Origin(axis), placed.origin[axis]);
             results.put(Quantity::Normal(axis), placed.normal[axis]);
@@ -159,7 +180,7 @@ fn fill<S: Simd, M: Model, W: Method>(
         if needs.torsion {
             results.put(Quantity::Torsion, placed.torsion());
         }
-        if needs.rotation {
+        if E::ANYTHING && needs.rotation {
             let results = &mut *results;
             zero.outlined(
                 #[inline(always)]
@@ -172,7 +193,7 @@ fn fill<S: Simd, M: Model, W: Method>(
                 },
             );
         }
-        if needs.coordinates {
+        if E::ANYTHING && needs.coordinates {
             let results = &mut *results;
             zero.outlined(
                 #[inline(always)]
@@ -180,7 +201,7 @@ fn fill<S: Simd, M: Model, W: Method>(
             );
         }
     }
-    if needs.sensitivity {
+    if E::ANYTHING && needs.sensitivity {
         let (balls, a, b) = (*balls, found.a, found.b);
         let (singular_values, orthogonal) = zero.outlined(
             #[inline(always)]

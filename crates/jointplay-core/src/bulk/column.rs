@@ -77,10 +77,17 @@ impl<'a> Column<'a> {
             return Lanes::splat(simd, self.at(0));
         }
         let mut numbers = [0.0; MOST];
-        for (lane, number) in numbers[..Lanes::<S>::COUNT].iter_mut().enumerate() {
+        self.gather(first, &mut numbers[..Lanes::<S>::COUNT]);
+        Lanes::of(simd, &numbers[..Lanes::<S>::COUNT])
+    }
+
+    /// The entries from `first` on; beyond the end the last one again.
+    // Apart from the loops over blocks, whose registers its indices would take.
+    #[inline(never)]
+    fn gather(&self, first: usize, numbers: &mut [f64]) {
+        for (lane, number) in numbers.iter_mut().enumerate() {
             *number = self.at((first + lane).min(self.len - 1));
         }
-        Lanes::of(simd, &numbers[..Lanes::<S>::COUNT])
     }
 
     /// Some of the numbers.

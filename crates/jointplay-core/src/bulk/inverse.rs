@@ -8,7 +8,7 @@ use super::{Column, Status, StatusCounts};
 use crate::Error;
 use crate::error::LARGEST_LENGTH;
 use crate::gpr::{AxisHeight, Gpr};
-use crate::kernel::{Lanes, sin_cos};
+use crate::kernel::{Lanes, Mask, Three, sin_cos};
 use crate::spatial::Tilt;
 
 impl Gpr {
@@ -42,14 +42,18 @@ impl Gpr {
             ("a column of rods", rods[2].len()),
         ];
         super::column::same_lengths(status.len(), lengths)?;
-        let (shortest, longest, tilt_max) = if self.checks_limits() {
+        let bounds = if self.checks_limits() {
             let limits = self.limits();
-            (limits.rod_min, limits.rod_max, limits.tilt_max)
+            Bounds { shortest: limits.rod_min, longest: limits.rod_max, tilt_max: limits.tilt_max }
         } else {
-            (-LARGEST_LENGTH, LARGEST_LENGTH, FRAC_PI_2.next_down())
+            Bounds {
+                shortest: -LARGEST_LENGTH,
+                longest: LARGEST_LENGTH,
+                tilt_max: FRAC_PI_2.next_down(),
+            }
         };
         let given = [azimuth, tilt_angle, height];
-        let blocks = Blocks { gpr: self, given, shortest, longest, tilt_max, status, rods };
+        let blocks = Blocks { gpr: self, given, bounds, status, rods };
         Arch::new().dispatch(blocks)?;
         Ok(StatusCounts::of(status))
     }
@@ -59,12 +63,17 @@ impl Gpr {
 struct Blocks<'a> {
     gpr: &'a Gpr,
     given: [Column<'a>; 3],
-    /// Rods and tilt angles within these have an answer; of others the scalar kernel decides (m, m, rad).
+    bounds: Bounds,
+    status: &'a mut [Status],
+    rods: [&'a mut [f64]; 3],
+}
+
+/// Rods (m) and tilt angles (rad) within these have an answer; of others the scalar kernel decides.
+#[derive(Clone, Copy)]
+struct Bounds {
     shortest: f64,
     longest: f64,
     tilt_max: f64,
-    status: &'a mut [Status],
-    rods: [&'a mut [f64]; 3],
 }
 
 impl WithSimd for Blocks<'_> {
@@ -73,43 +82,84 @@ impl WithSimd for Blocks<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> Result<(), Error> {
         let tilts = self.status.len();
-        let given = self.given.map(Column::blocks::<S>);
-        for block in 0..tilts.div_ceil(Lanes::<S>::COUNT) {
-            let first = block * Lanes::<S>::COUNT;
-            let azimuth = given[0].block(simd, block);
-            let tilt_angle = given[1].block(simd, block);
-            let height = given[2].block(simd, block);
-            let ((sin, cos), (rise, run)) = (sin_cos(azimuth), sin_cos(tilt_angle));
-            let slope = rise / run;
-            let (slope_x, slope_y) = (slope * cos, slope * sin);
-            // Written so that what is not a number is no tilt.
-            let mut reached = tilt_angle.abs().at_most(tilt_angle.like(self.tilt_max));
-            let (shortest, longest) =
-                (tilt_angle.like(self.shortest), tilt_angle.like(self.longest));
-            for (rods, point) in self.rods.iter_mut().zip(self.gpr.base_points()) {
-                let lower = slope_x.times_plus(slope.like(point.x), slope_y * point.y);
-                let rod = height - lower;
-                reached = reached & shortest.at_most(rod) & rod.at_most(longest);
-                rod.store(rods, first);
+        let count = Lanes::<S>::COUNT;
+        let [azimuths, angles, heights] = self.given.map(Column::blocks::<S>);
+        let (points, bounds) = (self.gpr.base_points().map(Into::into), self.bounds);
+        let status = &mut *self.status;
+        status.fill(Status::Solved);
+        let mut doubtful = false;
+        let [(q_1, rest_1), (q_2, rest_2), (q_3, rest_3)] =
+            self.rods.each_mut().map(|rods| S::as_mut_simd_f64s(rods));
+        for block in 0..tilts.div_ceil(count) {
+            let tilts = Tilts {
+                azimuth: azimuths.block(simd, block),
+                angle: angles.block(simd, block),
+                height: heights.block(simd, block),
+            };
+            let ([r_1, r_2, r_3], reached) = tilts.rods(&points, &bounds);
+            if block < q_1.len() && block < q_2.len() && block < q_3.len() {
+                q_1[block] = r_1.register();
+                q_2[block] = r_2.register();
+                q_3[block] = r_3.register();
+            } else {
+                rest_1.copy_from_slice(&r_1.numbers()[..rest_1.len()]);
+                rest_2.copy_from_slice(&r_2.numbers()[..rest_2.len()]);
+                rest_3.copy_from_slice(&r_3.numbers()[..rest_3.len()]);
             }
-            let end = (first + Lanes::<S>::COUNT).min(tilts);
-            if reached.all() {
-                self.status[first..end].fill(Status::Solved);
-                continue;
-            }
-            for (lane, reached) in reached.answers()[..end - first].iter().enumerate() {
-                if *reached {
-                    self.status[first + lane] = Status::Solved;
-                } else {
-                    self.one(first + lane)?;
+            if !reached.all() {
+                doubtful = true;
+                let answers = reached.answers();
+                for (status, reached) in status[block * count..].iter_mut().zip(&answers[..count]) {
+                    if !reached {
+                        *status = Status::TiltTooLarge;
+                    }
                 }
             }
         }
-        Ok(())
+        if doubtful { self.one_by_one() } else { Ok(()) }
+    }
+}
+
+/// Tilts side by side.
+struct Tilts<S: Simd> {
+    azimuth: Lanes<S>,
+    angle: Lanes<S>,
+    height: Lanes<S>,
+}
+
+impl<S: Simd> Tilts<S> {
+    /// The rods at these points of the base, and where they have an answer.
+    #[inline(always)]
+    fn rods(&self, points: &[[f64; 2]; 3], bounds: &Bounds) -> (Three<S>, Mask<S>) {
+        let Self { azimuth, angle, height } = *self;
+        let ((sin, cos), (rise, run)) = (sin_cos(azimuth), sin_cos(angle));
+        let slope = rise / run;
+        let (slope_x, slope_y) = (slope * cos, slope * sin);
+        let mut rods = [height; 3];
+        for (rod, [x, y]) in rods.iter_mut().zip(points) {
+            *rod = height - slope_x.times_plus(slope.like(*x), slope_y * *y);
+        }
+        // Written so that what is not a number is no tilt.
+        let [q_1, q_2, q_3] = rods;
+        let reached = angle.abs().at_most(angle.like(bounds.tilt_max))
+            & angle.like(bounds.shortest).at_most(q_1.min(q_2).min(q_3))
+            & q_1.max(q_2).max(q_3).at_most(angle.like(bounds.longest));
+        (rods, reached)
     }
 }
 
 impl Blocks<'_> {
+    /// Tilts that the blocks have left.
+    #[cold]
+    fn one_by_one(&mut self) -> Result<(), Error> {
+        for i in 0..self.status.len() {
+            if self.status[i] != Status::Solved {
+                self.one(i)?;
+            }
+        }
+        Ok(())
+    }
+
     /// One tilt by the scalar kernel, which also finds the reason where there is no answer.
     fn one(&mut self, i: usize) -> Result<(), Error> {
         let [azimuth, tilt_angle, height] = self.given.map(|column| column.at(i));
@@ -123,5 +173,73 @@ impl Blocks<'_> {
             rods[i] = rod;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bits of the rods and statuses of tilts, some beyond the limits and some not numbers.
+    fn with<S: Simd>(simd: S, gpr: &Gpr) -> (Vec<u64>, Vec<Status>) {
+        const TILTS: usize = 61;
+        let of = |scale: f64| -> Vec<f64> { (0..TILTS).map(|i| i as f64 * scale).collect() };
+        let (mut azimuth, mut tilt_angle, mut height) = (of(0.7), of(0.0007), of(0.001));
+        height.iter_mut().for_each(|height| *height += 0.47);
+        for (i, odd) in [f64::NAN, f64::INFINITY, 2e6, -1.0, 1e300].into_iter().enumerate() {
+            azimuth[5 + 3 * i] = odd;
+            tilt_angle[6 + 3 * i] = odd;
+            height[7 + 3 * i] = odd;
+        }
+        let mut status = vec![Status::TurnedOver; TILTS];
+        let mut rods = [const { [0.0; TILTS] }; 3];
+        let limits = gpr.limits();
+        let blocks = Blocks {
+            gpr,
+            given: [&azimuth, &tilt_angle, &height].map(|column| Column::from(&column[..])),
+            bounds: Bounds {
+                shortest: limits.rod_min,
+                longest: limits.rod_max,
+                tilt_max: limits.tilt_max,
+            },
+            status: &mut status,
+            rods: rods.each_mut().map(|rods| &mut rods[..]),
+        };
+        simd.vectorize(blocks).unwrap();
+        for i in 0..TILTS {
+            let tilt = Tilt { azimuth: azimuth[i], angle: tilt_angle[i] };
+            match gpr.inverse(tilt, AxisHeight(height[i])) {
+                Ok(found) => {
+                    assert_eq!(status[i], Status::Solved, "{i}");
+                    for (rods, expected) in rods.iter().zip(found) {
+                        assert!((rods[i] - expected).abs() < 1e-12, "{i}: {} {expected}", rods[i]);
+                    }
+                }
+                Err(error) => {
+                    assert_eq!(Some(status[i]), Status::from_error(&error), "{i}");
+                    assert!(rods.iter().all(|rods| rods[i].is_nan()), "{i}");
+                }
+            }
+        }
+        (rods.as_flattened().iter().map(|rod| rod.to_bits()).collect(), status)
+    }
+
+    #[test]
+    fn all_register_widths_give_the_same_bits() {
+        let gpr = Gpr::paper();
+        let one_lane = with(pulp::Scalar, &gpr);
+        let failed = one_lane.1.iter().filter(|status| **status != Status::Solved).count();
+        assert!((15..40).contains(&failed), "{failed}");
+        assert!(with(pulp::Scalar128b, &gpr) == one_lane, "two lanes");
+        #[cfg(target_arch = "x86_64")]
+        {
+            use pulp::x86::{V3, V4};
+            if let Some(simd) = V3::try_new() {
+                assert!(with(simd, &gpr) == one_lane, "AVX2");
+            }
+            if let Some(simd) = V4::try_new() {
+                assert!(with(simd, &gpr) == one_lane, "AVX-512");
+            }
+        }
     }
 }

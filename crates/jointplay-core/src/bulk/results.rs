@@ -5,6 +5,38 @@ use pulp::Simd;
 use super::Quantity;
 use crate::kernel::Lanes;
 
+/// How much is computed of each pose.
+///
+/// A type, so that a loop over poses is compiled for each: numbers that none of them needs take no registers.
+pub(super) trait Extent {
+    /// Whether the platform may be needed.
+    const PLATFORM: bool;
+    /// Whether anything may be needed.
+    const ANYTHING: bool;
+}
+
+/// The virtual joints, and the residual.
+pub(super) struct Joints;
+/// Origin, normal and torsion of the platform too.
+pub(super) struct OfPlatform;
+/// Any quantities.
+pub(super) struct Anything;
+
+impl Extent for Joints {
+    const PLATFORM: bool = false;
+    const ANYTHING: bool = false;
+}
+
+impl Extent for OfPlatform {
+    const PLATFORM: bool = true;
+    const ANYTHING: bool = false;
+}
+
+impl Extent for Anything {
+    const PLATFORM: bool = true;
+    const ANYTHING: bool = true;
+}
+
 /// Groups of quantities that are requested; no others are computed.
 pub(super) struct Needs {
     pub(super) sides: bool,
@@ -22,6 +54,10 @@ pub(super) struct Needs {
     pub(super) torsion: bool,
     pub(super) axis_height: bool,
     pub(super) sensitivity: bool,
+    /// Whether those of [`Joints`] alone.
+    pub(super) only_joints: bool,
+    /// Whether those of [`OfPlatform`] alone.
+    pub(super) only_platform: bool,
 }
 
 impl Needs {
@@ -49,8 +85,17 @@ impl Needs {
             torsion,
             axis_height,
             sensitivity: any(|q| matches!(q, Quantity::Sensitivity(_))),
+            only_joints: !any(|q| !is_of_joints(q)),
+            only_platform: !any(|q| {
+                use Quantity::{Normal, Origin, Torsion};
+                !is_of_joints(q) && !matches!(q, Origin(_) | Normal(_) | Torsion)
+            }),
         }
     }
+}
+
+fn is_of_joints(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::VirtualJoint(_) | Quantity::Residual)
 }
 
 /// Places for the values of all quantities.

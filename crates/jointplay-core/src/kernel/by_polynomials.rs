@@ -16,8 +16,15 @@ use super::solve::Method;
 pub(crate) struct ByPolynomials<'p, const N: usize>(pub(crate) &'p JointPolynomials);
 
 impl<const N: usize> Method for ByPolynomials<'_, N> {
+    const DIRECT: bool = true;
+
     #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        _: &Plane<S>,
+    ) -> Found<S> {
         self.0.found::<S, M, N>(task, balls)
     }
 
@@ -26,6 +33,7 @@ impl<const N: usize> Method for ByPolynomials<'_, N> {
         &self,
         geometry: &Geometry,
         balls: &Balls<S>,
+        plane: &Plane<S>,
         _: &Found<S>,
     ) -> PlatformPoses<S> {
         let Self(polynomials) = self;
@@ -35,7 +43,7 @@ impl<const N: usize> Method for ByPolynomials<'_, N> {
             sine: value::<S, N>(rows, SINE, &terms),
             center: [value::<S, N>(rows, SINE + 1, &terms), value::<S, N>(rows, SINE + 2, &terms)],
         };
-        PlatformPoses::at(geometry, balls, &Plane::new(geometry, balls), in_plane)
+        PlatformPoses::at(geometry, balls, plane, in_plane)
     }
 }
 

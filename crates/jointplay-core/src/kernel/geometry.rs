@@ -25,6 +25,8 @@ pub(crate) struct Geometry {
     pub(crate) base_center: [f64; 2],
     /// Twice the signed area of the base points (m²).
     pub(crate) base_area: f64,
+    /// Base edges that leave and reach the first ball, reversed where the base points are in clockwise order (m).
+    pub(super) first_edges: [[f64; 2]; 2],
     /// Nominal sockets (m).
     pub(crate) sockets: [[f64; 2]; 3],
     /// Centroid of the nominal sockets (m).
@@ -46,6 +48,7 @@ impl Geometry {
         let sockets = platform.sockets();
         let base_edges = [0, 1, 2].map(|k| (base_points[(k + 1) % 3] - base_points[k]).into());
         let center = |points: &Sockets| ((points[0] + points[1] + points[2]) / 3.0).into();
+        let base_area = signed_area(base_points);
         let base_squares = base_edges.map(|[x, y]: [f64; 2]| x * x + y * y);
         Self {
             base_edges,
@@ -53,7 +56,8 @@ impl Geometry {
             base_inverse_squares: base_squares.map(|square| 1.0 / square),
             base_half_inverses: sides_of(base_points).map(|side| 0.5 / side),
             base_center: center(base_points),
-            base_area: signed_area(base_points),
+            base_area,
+            first_edges: [0, 2].map(|k| base_edges[k].map(|edge: f64| edge * base_area.signum())),
             sockets: sockets.map(Into::into),
             socket_center: center(sockets),
             socket_squares: sides_of(sockets).map(|side| side * side),

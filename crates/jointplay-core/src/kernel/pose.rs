@@ -19,12 +19,11 @@ pub(crate) struct Plane<S: Simd> {
 impl<S: Simd> Plane<S> {
     #[inline(always)]
     pub(crate) fn new(geometry: &Geometry, balls: &Balls<S>) -> Self {
-        let [[x_1, y_1], _, [x_3, y_3]] = geometry.base_edges;
-        let sense = geometry.base_area.signum();
+        let [[x_1, y_1], [x_3, y_3]] = geometry.first_edges;
         let (z_1, z_3) = (balls.rises[0], balls.rises[2]);
         // (P_2 − P_1) × (P_3 − P_1), whose third entry is that of the base.
-        let x = z_3.times_from(z_3.like(y_1 * sense), z_1 * (y_3 * sense));
-        let y = z_1.times_from(z_1.like(x_3 * sense), z_3 * (x_1 * sense));
+        let x = z_3.times_from(z_3.like(y_1), z_1 * y_3);
+        let y = z_1.times_from(z_1.like(x_3), z_3 * x_1);
         let z = x.like(geometry.base_area.abs());
         let area = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
         Self { across: [x, y, z], area }

@@ -53,7 +53,9 @@ impl Single {
             return None;
         }
         let balls = balls(task.geometry, rods);
-        Self::certain(task.geometry, balls, solved::<Scalar, M>(task, &balls), None)
+        let plane = Plane::new(task.geometry, &balls);
+        let found = solved::<Scalar, M>(task, &balls, &plane);
+        Self::certain(task.geometry, (balls, plane), found, None)
     }
 
     /// By polynomials, for the pose too if `POSE`; `None` where the answer is not beyond doubt.
@@ -65,19 +67,19 @@ impl Single {
         rods: &[f64; 3],
     ) -> Option<Self> {
         let balls = balls(task.geometry, rods);
+        let plane = Plane::new(task.geometry, &balls);
         let (found, in_plane) = polynomials.found_one::<W, M, POSE>(wide, task, &balls);
-        Self::certain(task.geometry, balls, found, in_plane)
+        Self::certain(task.geometry, (balls, plane), found, in_plane)
     }
 
     #[inline(always)]
     fn certain(
         geometry: &Geometry,
-        balls: Balls<Scalar>,
+        (balls, plane): (Balls<Scalar>, Plane<Scalar>),
         found: Found<Scalar>,
         in_plane: Option<InPlane<Scalar>>,
     ) -> Option<Self> {
         // Steeper triangles are slender: round-off in their sides is large in their corners.
-        let plane = Plane::new(geometry, &balls);
         let flat = plane.area.at_most(plane.area.like(STEEPEST * geometry.base_area.abs()));
         (found.met & flat).any().then_some(Self { balls, plane, found, in_plane })
     }

@@ -20,7 +20,15 @@ use crate::virtualization::Solver;
 ///
 /// A type, so that a loop over poses is compiled for each: with all of them in one loop the registers do not suffice.
 pub(crate) trait Method {
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S>;
+    /// Whether a pose takes no steps.
+    const DIRECT: bool;
+
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        plane: &Plane<S>,
+    ) -> Found<S>;
 
     /// The platforms for the virtual joints found.
     #[inline(always)]
@@ -28,10 +36,11 @@ pub(crate) trait Method {
         &self,
         geometry: &Geometry,
         balls: &Balls<S>,
+        plane: &Plane<S>,
         found: &Found<S>,
     ) -> PlatformPoses<S> {
         let shape = Shape::at::<M>(geometry, found.a, found.b);
-        PlatformPoses::new(geometry, balls, &Plane::new(geometry, balls), &shape)
+        PlatformPoses::new(geometry, balls, plane, &shape)
     }
 }
 
@@ -43,15 +52,29 @@ pub(crate) struct LeastNorm;
 pub(crate) struct ClosedForm;
 
 impl Method for Newton {
+    const DIRECT: bool = false;
+
     #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        _: &Plane<S>,
+    ) -> Found<S> {
         if M::AROUND_CENTER { polar::newton(task, balls) } else { newton::<S, M>(task, balls) }
     }
 }
 
 impl Method for LeastNorm {
+    const DIRECT: bool = false;
+
     #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        _: &Plane<S>,
+    ) -> Found<S> {
         if M::AROUND_CENTER {
             polar::least_norm(task, balls)
         } else {
@@ -61,19 +84,34 @@ impl Method for LeastNorm {
 }
 
 impl Method for ClosedForm {
+    const DIRECT: bool = true;
+
     #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-        if M::TOWARD_SOCKET { radial(task, balls) } else { planar(task, balls) }
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        plane: &Plane<S>,
+    ) -> Found<S> {
+        if M::TOWARD_SOCKET {
+            radial(task, balls, plane.area)
+        } else {
+            planar(task, balls, plane.area)
+        }
     }
 }
 
 /// The virtual joints by the solver of a task.
 #[inline(always)]
-pub(crate) fn solved<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+pub(crate) fn solved<S: Simd, M: Model>(
+    task: &Task<'_>,
+    balls: &Balls<S>,
+    plane: &Plane<S>,
+) -> Found<S> {
     match task.solver {
-        Solver::Newton => Newton.found::<S, M>(task, balls),
-        Solver::ClosedForm if M::CLOSED_FORM => ClosedForm.found::<S, M>(task, balls),
-        _ => LeastNorm.found::<S, M>(task, balls),
+        Solver::Newton => Newton.found::<S, M>(task, balls, plane),
+        Solver::ClosedForm if M::CLOSED_FORM => ClosedForm.found::<S, M>(task, balls, plane),
+        _ => LeastNorm.found::<S, M>(task, balls, plane),
     }
 }
 
@@ -176,8 +214,7 @@ fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> 
 
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
 #[inline(always)]
-fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-    let area = Plane::new(task.geometry, balls).area;
+fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>, area: Lanes<S>) -> Found<S> {
     let [l_12, l_23, l_31] = balls.squares;
     // The triangle of the balls laid out along its first side, everything times that side: corners (0, 0), (l_12, 0), (along, up).
     let along = (l_12 + l_31 - l_23) * 0.5;
@@ -205,25 +242,23 @@ fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 
 /// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
 #[inline(always)]
-fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-    let area = Plane::new(task.geometry, balls).area;
+fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>, area: Lanes<S>) -> Found<S> {
     let [l_12, l_23, l_31] = balls.squares;
     let half = (l_12 + l_23 + l_31) * 0.5;
     let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
-    // The sum of the three slides, and a third of one over it.
-    let sum = square.sqrt();
-    let third = sum.inverse() * (1.0 / 3.0);
+    // A third of one over the sum of the three slides, whose square this is: the root and the division side by side.
+    let third = square.sqrt() * (square.like(1.0 / 3.0) / square);
     let (d_13, d_21, d_32) = (l_12 - l_23, l_23 - l_31, l_31 - l_12);
     let slides = [
         (square + d_13 - d_21) * third,
         (square + d_21 - d_32) * third,
         (square + d_32 - d_13) * third,
     ];
-    let zero = sum.like(0.0);
+    let zero = square.like(0.0);
     let shape = Shape::at::<model::Radial>(task.geometry, slides, [zero; 3]);
     let found = closed(balls, task, shape);
-    let within = zero.below(slides[0]) & zero.below(slides[1]) & zero.below(slides[2]);
-    Found { met: found.met & within, ..found }
+    let outward = zero.below(slides[0].min(slides[1]).min(slides[2]));
+    Found { met: found.met & outward, ..found }
 }
 
 /// A triangle found without steps, and where its sides are met.

@@ -45,7 +45,11 @@ pub(crate) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     if !far.any() {
         return near;
     }
-    (far.select(angle.each(libm::sin), near.0), far.select(angle.each(libm::cos), near.1))
+    let (sine, cosine) = angle.outlined(
+        #[inline(always)]
+        move || (angle.each(libm::sin), angle.each(libm::cos)),
+    );
+    (far.select(sine, near.0), far.select(cosine, near.1))
 }
 
 /// Sine and cosine of angles up to π/4 (rad).
@@ -253,9 +257,16 @@ pub(crate) fn angle_of<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
 /// Σ c_i zⁿ⁻ⁱ, the coefficient of the highest power first.
 #[inline(always)]
 fn polynomial<S: Simd, const N: usize>(z: Lanes<S>, coefficients: &[f64; N]) -> Lanes<S> {
-    let mut sum = z.like(coefficients[0]);
-    for &coefficient in &coefficients[1..] {
-        sum = sum.times_plus(z, z.like(coefficient));
+    let square = z.squared();
+    // Two coefficients at a time, so that half as many products wait for each other.
+    let (first, pairs) = coefficients.split_at(2 - N % 2);
+    let mut sum = z.like(first[0]);
+    if let [_, second] = first {
+        sum = sum.times_plus(z, z.like(*second));
+    }
+    for pair in pairs.chunks_exact(2) {
+        let next = z.times_plus(z.like(pair[0]), z.like(pair[1]));
+        sum = sum.times_plus(square, next);
     }
     sum
 }
