@@ -50,7 +50,7 @@ const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "l
 const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror", "chacha20", "libm"]);
 /// Jerk-limited profiles and distances of bodies are others' crafts.
 const CELLS: Outside =
-    Outside::Only(&["nalgebra", "thiserror", "rsruckig", "parry3d-f64", "rayon"]);
+    Outside::Only(&["nalgebra", "thiserror", "pulp", "rsruckig", "parry3d-f64", "rayon"]);
 /// Arguments, catch-all errors and Python belong to ring 4, servers to the studio.
 const LIBRARIES: Outside = Outside::AllBut(&["clap", "anyhow", "pyo3", "tokio", "axum"]);
 const NONE: Outside = Outside::Only(&[]);

@@ -8,6 +8,8 @@
 //! The fastest parameterization under these limits is found at collocation points; it is verified on a fine grid, its constraints are tightened where limits are exceeded in between,
 //! and the remaining exceedance is removed by a slowdown of the whole.
 
+use pulp::Arch;
+
 use super::profile::{AxisState, JerkLimitedProfile};
 use super::rate_constraints::{Exceedance, FrictionConstraints, RateConstraints, raise};
 use super::rate_search::RateSearch;
@@ -214,7 +216,16 @@ impl<'a> TimeParameterization<'a> {
     ///
     /// # Arguments
     /// * `exceedance` – raised to the ratios found; for a profile with the same number of pieces in each interval of a squared rate
-    fn time_scale(
+    fn time_scale(&self, profile: &JerkLimitedProfile, exceedance: Option<&mut Exceedance>) -> f64 {
+        // By the instructions that the processor has, of which none is fused: all processors find the same.
+        Arch::new().dispatch(
+            #[inline(always)]
+            move || self.time_scale_of(profile, exceedance),
+        )
+    }
+
+    #[inline(always)]
+    fn time_scale_of(
         &self,
         profile: &JerkLimitedProfile,
         mut exceedance: Option<&mut Exceedance>,
@@ -222,6 +233,7 @@ impl<'a> TimeParameterization<'a> {
         let mut scale = 1e-9;
         let pieces = profile.pieces().len();
         let mut intervals = self.spline.intervals_in_order();
+        let mut states = States::new();
         for (index, piece) in profile.pieces().enumerate() {
             let fraction = piece.duration / profile.duration();
             let count = VERIFICATION_INTERVALS.max((VERIFICATION_SAMPLES * fraction).ceil());
@@ -229,61 +241,138 @@ impl<'a> TimeParameterization<'a> {
             for k in 0..=count as usize {
                 let state = piece.state(piece.duration * (k as f64 / count));
                 let interval = intervals(state[0]);
-                let exceeded = exceedance.as_deref_mut().map(|it| it.in_interval(rate_interval));
-                self.raise_time_scale(&mut scale, state, interval, exceeded);
+                if states.is_full() || states.interval != interval {
+                    let exceeded =
+                        exceedance.as_deref_mut().map(|it| it.in_interval(rate_interval));
+                    self.raise_time_scale(&mut scale, &mut states, exceeded);
+                }
+                states.push(interval, state);
             }
+            let exceeded = exceedance.as_deref_mut().map(|it| it.in_interval(rate_interval));
+            self.raise_time_scale(&mut scale, &mut states, exceeded);
         }
         // The third derivative of the path is discontinuous at its knots: both sides are verified.
         let knots = self.spline.knots();
-        let mut states = profile.states_in_order();
+        let mut at = profile.states_in_order();
         for (interval, time) in profile.times_at(&knots[1..knots.len() - 1]).enumerate() {
-            let (interval, state) = (interval + 1, states(time));
-            self.raise_time_scale(&mut scale, state, interval - 1, None);
-            self.raise_time_scale(&mut scale, state, interval, None);
+            let state = at(time);
+            for side in [interval, interval + 1] {
+                states.push(side, state);
+                self.raise_time_scale(&mut scale, &mut states, None);
+            }
         }
         scale
     }
 
-    /// Raises a time scale to the one at which a state of the path parameter satisfies all limits.
+    /// Raises a time scale to the one at which states of the path parameter satisfy all limits, and removes the states.
     ///
     /// Time stretched by a factor divides velocities by it, accelerations by its square and jerks by its cube.
+    #[inline(always)]
     fn raise_time_scale(
         &self,
         scale: &mut f64,
-        [s, rate, acceleration, jerk]: AxisState,
-        interval: usize,
+        states: &mut States,
         exceeded: Option<&mut [[f64; 2]]>,
     ) {
-        let mut velocity_ratio = rate / self.max_rate;
-        let (mut acceleration_ratio, mut jerk_ratio) = (0.0_f64, 0.0_f64);
+        let Some(&[s, rate, acceleration, jerk]) = states.filled() else { return };
         let count = self.inverse_limits.len();
-        let (squared, cubed) = (rate * rate, rate * rate * rate);
-        let t = s - self.spline.knots()[interval];
-        let axes = self.jets[interval * count..][..count].iter().zip(&self.inverse_limits);
+        let start = self.spline.knots()[states.interval];
+        let jets = &self.jets[states.interval * count..][..count];
+        let (mut velocities, mut accelerations, mut jerks) =
+            ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            velocities[k] = rate[k] / self.max_rate;
+        }
         let mut exceeded = exceeded.into_iter().flatten();
-        for (jet, inverse) in axes {
-            let [_, slope, curvature, third] = spline::advanced(jet, t);
-            let v = slope * rate;
-            let a = curvature * squared + slope * acceleration;
-            let j = third * cubed + 3.0 * curvature * rate * acceleration + slope * jerk;
-            raise(&mut velocity_ratio, v.abs() * inverse[0]);
-            let ratios = [a.abs() * inverse[1], j.abs() * inverse[2]];
-            raise(&mut acceleration_ratio, ratios[0]);
-            raise(&mut jerk_ratio, ratios[1]);
+        for (jet, inverse) in jets.iter().zip(&self.inverse_limits) {
+            let (mut own_accelerations, mut own_jerks) = ([0.0; LANES], [0.0; LANES]);
+            for k in 0..LANES {
+                let (r, r_2) = (rate[k], rate[k] * rate[k]);
+                let [_, slope, curvature, third] = spline::advanced(jet, s[k] - start);
+                let v = slope * r;
+                let a = curvature * r_2 + slope * acceleration[k];
+                let j = third * (rate[k] * rate[k] * rate[k])
+                    + 3.0 * curvature * r * acceleration[k]
+                    + slope * jerk[k];
+                raise(&mut velocities[k], v.abs() * inverse[0]);
+                own_accelerations[k] = a.abs() * inverse[1];
+                own_jerks[k] = j.abs() * inverse[2];
+                raise(&mut accelerations[k], own_accelerations[k]);
+                raise(&mut jerks[k], own_jerks[k]);
+            }
             if let Some(known) = exceeded.next() {
-                raise(&mut known[0], ratios[0]);
-                raise(&mut known[1], ratios[1]);
+                raise(&mut known[0], largest(&own_accelerations));
+                raise(&mut known[1], largest(&own_jerks));
             }
         }
-        raise(scale, velocity_ratio);
+        raise(scale, largest(&velocities));
         // Powers are compared before roots are taken: few states raise the scale.
-        if acceleration_ratio > *scale * *scale {
-            *scale = acceleration_ratio.sqrt();
+        let (acceleration, jerk) = (largest(&accelerations), largest(&jerks));
+        if acceleration > *scale * *scale {
+            *scale = acceleration.sqrt();
         }
-        if jerk_ratio > *scale * *scale * *scale {
-            *scale = jerk_ratio.cbrt();
+        if jerk > *scale * *scale * *scale {
+            *scale = jerk.cbrt();
+        }
+        states.count = 0;
+    }
+}
+
+/// States that are verified side by side.
+const LANES: usize = 8;
+
+/// States of the path parameter in one interval of the spline: of each order one number of each state.
+struct States {
+    interval: usize,
+    count: usize,
+    numbers: [[f64; LANES]; 4],
+}
+
+impl States {
+    fn new() -> Self {
+        Self { interval: 0, count: 0, numbers: [[0.0; LANES]; 4] }
+    }
+
+    fn is_full(&self) -> bool {
+        self.count == LANES
+    }
+
+    /// Adds a state, in the interval of the others.
+    #[inline(always)]
+    fn push(&mut self, interval: usize, state: AxisState) {
+        self.interval = interval;
+        for (numbers, number) in self.numbers.iter_mut().zip(state) {
+            numbers[self.count] = number;
+        }
+        self.count += 1;
+    }
+
+    /// All states, the last one again in places that are free; `None` without states.
+    #[inline(always)]
+    fn filled(&mut self) -> Option<&[[f64; LANES]; 4]> {
+        let last = self.count.checked_sub(1)?;
+        for numbers in &mut self.numbers {
+            let number = numbers[last];
+            numbers[self.count..].fill(number);
+        }
+        Some(&self.numbers)
+    }
+}
+
+/// The largest of several numbers that are not negative; NaN is passed over.
+#[inline(always)]
+fn largest(numbers: &[f64; LANES]) -> f64 {
+    let mut largest = [0.0; LANES];
+    for k in 0..LANES {
+        raise(&mut largest[k], numbers[k]);
+    }
+    for half in [LANES / 2, LANES / 4, LANES / 8] {
+        for k in 0..half {
+            let other = largest[k + half];
+            raise(&mut largest[k], other);
         }
     }
+    largest[0]
 }
 
 /// Path parameters at which slopes are compared.
