@@ -43,6 +43,7 @@ pub(super) fn build(folders: &Folders) -> io::Result<()> {
         let mut build = maturin();
         build.args(["build", "--quiet", "--offline", "--profile", "dist", "--zig"]);
         build.args(["--target", platform, "--compatibility", oldest, "--out"]).arg(&folders.out);
+        build.arg("--sbom-include").arg(file_name(&folders.component_list()));
         let from = Folders { root: source.clone(), ..folders.clone() };
         let others = [(libraries(folders), "/cargo"), (built.clone(), "/jointplay/target")];
         from.reproducible(&mut build, &[], &others);
@@ -112,7 +113,7 @@ fn path(tools: &Path) -> io::Result<std::ffi::OsString> {
     env::join_paths(all).map_err(io::Error::other)
 }
 
-/// The unpacked source distribution, with the libraries of the step `source` and the licences of those in the wheel.
+/// The unpacked source distribution, with the libraries of the step `source`, and the licences and the list of those in the wheel.
 fn unpacked(folders: &Folders) -> io::Result<PathBuf> {
     let name = format!("jointplay-{VERSION}");
     let folder = folders.empty("sdist")?;
@@ -131,6 +132,8 @@ fn unpacked(folders: &Folders) -> io::Result<PathBuf> {
     fs::write(source.join(".cargo/config.toml"), settings)?;
     // Its name is one of those that `license-files` takes into the wheel.
     fs::copy(folders.notices(), source.join("LICENSE-THIRD-PARTY.txt"))?;
+    let list = folders.component_list();
+    fs::copy(&list, source.join(file_name(&list)))?;
     Ok(source)
 }
 
