@@ -24,6 +24,8 @@ const SLOPE_INTERVALS: usize = 80;
 const VERIFICATION_SAMPLES: f64 = 600.0;
 /// Least number of intervals between the verified times of each piece of a profile.
 const VERIFICATION_INTERVALS: f64 = 4.0;
+/// Number of states that are verified side by side.
+const LANES: usize = 8;
 /// Margin below each limit for the times between verified ones, relative to the limit.
 const MARGIN: f64 = 1e-3;
 /// Relative amount by which round-off may exceed a limit.
@@ -317,9 +319,6 @@ impl<'a> TimeParameterization<'a> {
         states.count = 0;
     }
 }
-
-/// States that are verified side by side.
-const LANES: usize = 8;
 
 /// States of the path parameter in one interval of the spline: of each order one number of each state.
 struct States {

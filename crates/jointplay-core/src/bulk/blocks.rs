@@ -8,7 +8,7 @@ use super::results::{Anything, Extent, Joints, Needs, OfPlatform, PLACES, Result
 use super::{Column, Quantity, Status, singular_values};
 use crate::gpr::{Gpr, Limits};
 use crate::kernel::{
-    self, Balls, Found, Lanes, Mask, Method, Model, Plane, PlatformPoses, Shape, Task, Three,
+    self, Balls, Found, Lanes, Mask, Method, Model, PlatformPoses, Shape, Task, Three,
 };
 use crate::virtualization::signed_area;
 
@@ -41,10 +41,10 @@ impl Within {
     }
 
     #[inline(always)]
-    fn holds<S: Simd>(&self, rods: &Three<S>, plane: &Plane<S>) -> Mask<S> {
+    fn holds<S: Simd>(&self, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
         // A rod that is not a number may pass; its pose is found by [`Balls::moderate`].
         let ([q_1, q_2, q_3], any) = (*rods, rods[0]);
-        plane.horizontal_squared().at_most(any.like(self.horizontal_squared))
+        balls.plane.horizontal_squared().at_most(any.like(self.horizontal_squared))
             & any.like(self.rod_min).at_most(q_1.min(q_2).min(q_3))
             & q_1.max(q_2).max(q_3).at_most(any.like(self.rod_max))
     }
@@ -91,20 +91,13 @@ impl<M: Model, W: Method> Blocks<'_, '_, M, W> {
                 let [q_1, q_2, q_3] = &given;
                 let rods = [q_1.block(simd, block), q_2.block(simd, block), q_3.block(simd, block)];
                 let balls = Balls::new(task.geometry, rods);
-                let plane = Plane::new(task.geometry, &balls);
-                let found = method.found::<S, M>(&task, &balls, &plane);
+                let found = method.found::<S, M>(&task, &balls);
                 results.select(block - written_from);
-                let certain = fill::<S, M, W, E>(
-                    &mut results,
-                    needs,
-                    &method,
-                    &task,
-                    (&balls, &plane),
-                    &found,
-                );
+                let certain =
+                    fill::<S, M, W, E>(&mut results, needs, &method, &task, &balls, &found);
                 let mut solved = found.met & certain & balls.moderate(&rods);
                 if let Some(limits) = &limits {
-                    solved = solved & limits.holds(&rods, &plane);
+                    solved = solved & limits.holds(&rods, &balls);
                 }
                 if !solved.all() {
                     doubtful = true;
@@ -133,7 +126,7 @@ fn fill<S: Simd, M: Model, W: Method, E: Extent>(
     needs: &Needs,
     method: &W,
     task: &Task<'_>,
-    (balls, plane): (&Balls<S>, &Plane<S>),
+    balls: &Balls<S>,
     found: &Found<S>,
 ) -> Mask<S> {
     let zero = balls.mean.like(0.0);
@@ -172,7 +165,7 @@ fn fill<S: Simd, M: Model, W: Method, E: Extent>(
         results.put(Quantity::Residual, found.residual(task.geometry, balls));
     }
     if E::PLATFORM && needs.pose {
-        let placed = method.placed::<S, M>(task.geometry, balls, plane, found);
+        let placed = method.placed::<S, M>(task.geometry, balls, found);
         for axis in 0..3 {
             results.put(Quantity::Origin(axis), placed.origin[axis]);
             results.put(Quantity::Normal(axis), placed.normal[axis]);

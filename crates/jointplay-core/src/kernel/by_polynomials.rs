@@ -8,7 +8,7 @@ use super::joint_polynomials::{Coefficients, JOINTS, JointPolynomials, Order, SI
 use super::lanes::{Lanes, MOST};
 use super::model::Model;
 use super::polar;
-use super::pose::{InPlane, Plane, PlatformPoses};
+use super::pose::{InPlane, PlatformPoses};
 use super::shape::{Balls, Shape, Three};
 use super::solve::Method;
 
@@ -19,12 +19,7 @@ impl<const N: usize> Method for ByPolynomials<'_, N> {
     const DIRECT: bool = true;
 
     #[inline(always)]
-    fn found<S: Simd, M: Model>(
-        &self,
-        task: &Task<'_>,
-        balls: &Balls<S>,
-        _: &Plane<S>,
-    ) -> Found<S> {
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         self.0.found::<S, M, N>(task, balls)
     }
 
@@ -33,7 +28,6 @@ impl<const N: usize> Method for ByPolynomials<'_, N> {
         &self,
         geometry: &Geometry,
         balls: &Balls<S>,
-        plane: &Plane<S>,
         _: &Found<S>,
     ) -> PlatformPoses<S> {
         let Self(polynomials) = self;
@@ -43,7 +37,7 @@ impl<const N: usize> Method for ByPolynomials<'_, N> {
             sine: value::<S, N>(rows, SINE, &terms),
             center: [value::<S, N>(rows, SINE + 1, &terms), value::<S, N>(rows, SINE + 2, &terms)],
         };
-        PlatformPoses::at(geometry, balls, plane, in_plane)
+        PlatformPoses::at(geometry, balls, in_plane)
     }
 }
 

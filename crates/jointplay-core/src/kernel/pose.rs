@@ -4,38 +4,9 @@ use pulp::Simd;
 
 use super::geometry::Geometry;
 use super::lanes::Lanes;
+use super::plane::Plane;
 use super::shape::{Balls, Shape, Three};
 use super::trigonometry::{angle_of, small_angle_of};
-
-/// The plane through the balls of many poses.
-#[derive(Clone, Copy)]
-pub(crate) struct Plane<S: Simd> {
-    /// Its upward normal times twice the area of the triangle (m²).
-    across: Three<S>,
-    /// Twice the area of the triangle (m²).
-    pub(crate) area: Lanes<S>,
-}
-
-impl<S: Simd> Plane<S> {
-    #[inline(always)]
-    pub(crate) fn new(geometry: &Geometry, balls: &Balls<S>) -> Self {
-        let [[x_1, y_1], [x_3, y_3]] = geometry.first_edges;
-        let (z_1, z_3) = (balls.rises[0], balls.rises[2]);
-        // (P_2 − P_1) × (P_3 − P_1), whose third entry is that of the base.
-        let x = z_3.times_from(z_3.like(y_1), z_1 * y_3);
-        let y = z_1.times_from(z_1.like(x_3), z_3 * x_1);
-        let z = x.like(geometry.base_area.abs());
-        let area = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
-        Self { across: [x, y, z], area }
-    }
-
-    /// Square of the horizontal part of the normal times twice the area (m⁴).
-    #[inline(always)]
-    pub(crate) fn horizontal_squared(&self) -> Lanes<S> {
-        let [x, y, _] = self.across;
-        x.times_plus(x, y * y)
-    }
-}
 
 /// The platforms of many poses.
 #[derive(Clone, Copy)]
@@ -53,13 +24,8 @@ pub(crate) struct PlatformPoses<S: Simd> {
 impl<S: Simd> PlatformPoses<S> {
     /// What [`fit_in_plane`](crate::spatial::fit_in_plane) does, for triangles that are equal to the threshold.
     #[inline(always)]
-    pub(crate) fn new(
-        geometry: &Geometry,
-        balls: &Balls<S>,
-        plane: &Plane<S>,
-        shape: &Shape<S>,
-    ) -> Self {
-        let tilted = Tilted::new(plane);
+    pub(crate) fn new(geometry: &Geometry, balls: &Balls<S>, shape: &Shape<S>) -> Self {
+        let tilted = Tilted::new(&balls.plane);
         let slope = tilted.slope;
         let x = slope[0];
         let (mut cosine, mut sine) = (x.like(0.0), x.like(0.0));
@@ -101,11 +67,10 @@ impl<S: Simd> PlatformPoses<S> {
     pub(super) fn at(
         geometry: &Geometry,
         balls: &Balls<S>,
-        plane: &Plane<S>,
         InPlane { sine, center }: InPlane<S>,
     ) -> Self {
         let cosine = sine.times_from(sine, sine.like(1.0)).sqrt();
-        Tilted::new(plane).placed(geometry, balls, [cosine, sine], center)
+        Tilted::new(&balls.plane).placed(geometry, balls, [cosine, sine], center)
     }
 
     /// Axes of the platform frame in the base frame: columns of the rotation.

@@ -5,6 +5,7 @@ use pulp::Simd;
 use super::geometry::{FirstStep, Geometry};
 use super::lanes::{Lanes, Mask};
 use super::model::Model;
+use super::plane::Plane;
 use crate::error::LARGEST_LENGTH;
 
 /// Three numbers of each pose.
@@ -21,6 +22,8 @@ pub(crate) struct Balls<S: Simd> {
     pub(crate) rises: Three<S>,
     /// Squared sides L_ij² (m²).
     pub(crate) squares: Three<S>,
+    /// The plane through them.
+    pub(crate) plane: Plane<S>,
 }
 
 impl<S: Simd> Balls<S> {
@@ -32,7 +35,8 @@ impl<S: Simd> Balls<S> {
         for k in 0..3 {
             squares[k] = rises[k].times_plus(rises[k], q_1.like(geometry.base_squares[k]));
         }
-        Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares }
+        let plane = Plane::new(geometry, &rises);
+        Self { mean: (q_1 + q_2 + q_3) * (1.0 / 3.0), rises, squares, plane }
     }
 
     /// Difference of each squared side from that of the nominal sockets (m²).

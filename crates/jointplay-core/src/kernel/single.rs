@@ -8,7 +8,7 @@ use super::geometry::{Geometry, Task};
 use super::joint_polynomials::JointPolynomials;
 use super::lanes::Lanes;
 use super::model::Model;
-use super::pose::{InPlane, Plane, PlatformPoses};
+use super::pose::{InPlane, PlatformPoses};
 use super::shape::{Balls, Shape};
 use super::solve::solved;
 use crate::spatial::Pose;
@@ -37,7 +37,6 @@ pub(crate) struct SinglePose {
 /// Virtual joints of one pose and what they were found from, in scalar registers.
 pub(crate) struct Single {
     balls: Balls<Scalar>,
-    plane: Plane<Scalar>,
     found: Found<Scalar>,
     /// Where it was found together with them.
     in_plane: Option<InPlane<Scalar>>,
@@ -53,9 +52,8 @@ impl Single {
             return None;
         }
         let balls = balls(task.geometry, rods);
-        let plane = Plane::new(task.geometry, &balls);
-        let found = solved::<Scalar, M>(task, &balls, &plane);
-        Self::certain(task.geometry, (balls, plane), found, None)
+        let found = solved::<Scalar, M>(task, &balls);
+        Self::certain(task.geometry, balls, found, None)
     }
 
     /// By polynomials, for the pose too if `POSE`; `None` where the answer is not beyond doubt.
@@ -67,32 +65,32 @@ impl Single {
         rods: &[f64; 3],
     ) -> Option<Self> {
         let balls = balls(task.geometry, rods);
-        let plane = Plane::new(task.geometry, &balls);
         let (found, in_plane) = polynomials.found_one::<W, M, POSE>(wide, task, &balls);
-        Self::certain(task.geometry, (balls, plane), found, in_plane)
+        Self::certain(task.geometry, balls, found, in_plane)
     }
 
     #[inline(always)]
     fn certain(
         geometry: &Geometry,
-        (balls, plane): (Balls<Scalar>, Plane<Scalar>),
+        balls: Balls<Scalar>,
         found: Found<Scalar>,
         in_plane: Option<InPlane<Scalar>>,
     ) -> Option<Self> {
         // Steeper triangles are slender: round-off in their sides is large in their corners.
-        let flat = plane.area.at_most(plane.area.like(STEEPEST * geometry.base_area.abs()));
-        (found.met & flat).any().then_some(Self { balls, plane, found, in_plane })
+        let area = balls.plane.area;
+        let flat = area.at_most(area.like(STEEPEST * geometry.base_area.abs()));
+        (found.met & flat).any().then_some(Self { balls, found, in_plane })
     }
 
     /// The pose of the platform, with the virtual joints.
     #[inline(always)]
     pub(crate) fn pose<M: Model>(&self, geometry: &Geometry) -> SinglePose {
-        let Self { balls, plane, found, in_plane } = self;
+        let Self { balls, found, in_plane } = self;
         let placed = match *in_plane {
-            Some(in_plane) => PlatformPoses::at(geometry, balls, plane, in_plane),
+            Some(in_plane) => PlatformPoses::at(geometry, balls, in_plane),
             None => {
                 let shape = Shape::at::<M>(geometry, found.a, found.b);
-                PlatformPoses::new(geometry, balls, plane, &shape)
+                PlatformPoses::new(geometry, balls, &shape)
             }
         };
         let axes = placed.axes().map(|axis| axis.map(Lanes::number));

@@ -11,7 +11,7 @@ use super::geometry::{Geometry, Task};
 use super::lanes::{Lanes, Mask};
 use super::model::{self, Model};
 use super::polar;
-use super::pose::{Plane, PlatformPoses};
+use super::pose::PlatformPoses;
 use super::shape::{Balls, Response, Shape, Three, first_step, within};
 use super::symmetric::{Solution, solve_symmetric};
 use crate::virtualization::Solver;
@@ -23,12 +23,7 @@ pub(crate) trait Method {
     /// Whether a pose takes no steps.
     const DIRECT: bool;
 
-    fn found<S: Simd, M: Model>(
-        &self,
-        task: &Task<'_>,
-        balls: &Balls<S>,
-        plane: &Plane<S>,
-    ) -> Found<S>;
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S>;
 
     /// The platforms for the virtual joints found.
     #[inline(always)]
@@ -36,11 +31,10 @@ pub(crate) trait Method {
         &self,
         geometry: &Geometry,
         balls: &Balls<S>,
-        plane: &Plane<S>,
         found: &Found<S>,
     ) -> PlatformPoses<S> {
         let shape = Shape::at::<M>(geometry, found.a, found.b);
-        PlatformPoses::new(geometry, balls, plane, &shape)
+        PlatformPoses::new(geometry, balls, &shape)
     }
 }
 
@@ -55,12 +49,7 @@ impl Method for Newton {
     const DIRECT: bool = false;
 
     #[inline(always)]
-    fn found<S: Simd, M: Model>(
-        &self,
-        task: &Task<'_>,
-        balls: &Balls<S>,
-        _: &Plane<S>,
-    ) -> Found<S> {
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         if M::AROUND_CENTER { polar::newton(task, balls) } else { newton::<S, M>(task, balls) }
     }
 }
@@ -69,12 +58,7 @@ impl Method for LeastNorm {
     const DIRECT: bool = false;
 
     #[inline(always)]
-    fn found<S: Simd, M: Model>(
-        &self,
-        task: &Task<'_>,
-        balls: &Balls<S>,
-        _: &Plane<S>,
-    ) -> Found<S> {
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         if M::AROUND_CENTER {
             polar::least_norm(task, balls)
         } else {
@@ -87,31 +71,18 @@ impl Method for ClosedForm {
     const DIRECT: bool = true;
 
     #[inline(always)]
-    fn found<S: Simd, M: Model>(
-        &self,
-        task: &Task<'_>,
-        balls: &Balls<S>,
-        plane: &Plane<S>,
-    ) -> Found<S> {
-        if M::TOWARD_SOCKET {
-            radial(task, balls, plane.area)
-        } else {
-            planar(task, balls, plane.area)
-        }
+    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+        if M::TOWARD_SOCKET { radial(task, balls) } else { planar(task, balls) }
     }
 }
 
 /// The virtual joints by the solver of a task.
 #[inline(always)]
-pub(crate) fn solved<S: Simd, M: Model>(
-    task: &Task<'_>,
-    balls: &Balls<S>,
-    plane: &Plane<S>,
-) -> Found<S> {
+pub(crate) fn solved<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     match task.solver {
-        Solver::Newton => Newton.found::<S, M>(task, balls, plane),
-        Solver::ClosedForm if M::CLOSED_FORM => ClosedForm.found::<S, M>(task, balls, plane),
-        _ => LeastNorm.found::<S, M>(task, balls, plane),
+        Solver::Newton => Newton.found::<S, M>(task, balls),
+        Solver::ClosedForm if M::CLOSED_FORM => ClosedForm.found::<S, M>(task, balls),
+        _ => LeastNorm.found::<S, M>(task, balls),
     }
 }
 
@@ -214,7 +185,8 @@ fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> 
 
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
 #[inline(always)]
-fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>, area: Lanes<S>) -> Found<S> {
+fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    let area = balls.plane.area;
     let [l_12, l_23, l_31] = balls.squares;
     // The triangle of the balls laid out along its first side, everything times that side: corners (0, 0), (l_12, 0), (along, up).
     let along = (l_12 + l_31 - l_23) * 0.5;
@@ -242,7 +214,8 @@ fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>, area: Lanes<S>) -> Found<S
 
 /// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
 #[inline(always)]
-fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>, area: Lanes<S>) -> Found<S> {
+fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    let area = balls.plane.area;
     let [l_12, l_23, l_31] = balls.squares;
     let half = (l_12 + l_23 + l_31) * 0.5;
     let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
