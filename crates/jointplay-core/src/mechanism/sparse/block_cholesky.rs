@@ -16,6 +16,9 @@ const MAX_BLOCKS: usize = 1_000_000;
 /// A 6×6 block by columns.
 pub(super) type Block = [[f64; SIDE]; SIDE];
 
+/// The numbers of a row of blocks in several columns.
+pub(super) type Row<const COLUMNS: usize> = [[f64; COLUMNS]; SIDE];
+
 /// No entries.
 pub(super) const EMPTY: Block = [[0.0; SIDE]; SIDE];
 
@@ -97,8 +100,13 @@ impl BlockPattern {
     }
 
     /// Number of rows of blocks.
-    fn size(&self) -> usize {
+    pub(super) fn size(&self) -> usize {
         self.order.len()
+    }
+
+    /// Number of unknowns.
+    pub(super) fn unknowns(&self) -> usize {
+        SIDE * self.size()
     }
 
     /// Where the block in a row and a column off the diagonal is stored; it must be one of the pairs.
@@ -135,6 +143,12 @@ impl BlockMatrix {
     /// The matrix without entries.
     pub(super) fn zeros(pattern: &BlockPattern) -> Self {
         Self { diagonal: vec![EMPTY; pattern.size()], below: vec![EMPTY; pattern.rows.len()] }
+    }
+
+    /// Removes all entries.
+    pub(super) fn clear(&mut self) {
+        self.diagonal.fill(EMPTY);
+        self.below.fill(EMPTY);
     }
 
     /// Adds a block on the diagonal, of which the lower triangle is used.
@@ -197,56 +211,79 @@ impl BlockMatrix {
         Ok(())
     }
 
-    /// A⁻¹ b by the factor, in place.
+    /// A⁻¹ b by the factor, in place, for several b at a time: each block is read once for all.
     ///
     /// # Arguments
-    /// * `room` – (6·rows) overwritten
-    pub(super) fn solve(&self, pattern: &BlockPattern, b: &mut [f64], room: &mut [f64]) {
+    /// * `b` – columns of 6·rows numbers, one after the other
+    /// * `room` – one entry a row, overwritten
+    pub(super) fn solve<const COLUMNS: usize>(
+        &self,
+        pattern: &BlockPattern,
+        b: &mut [f64],
+        room: &mut [Row<COLUMNS>],
+    ) {
         let (b, _) = b.as_chunks_mut::<SIDE>();
-        let (x, _) = room.as_chunks_mut::<SIDE>();
-        for (x, &row) in x.iter_mut().zip(&pattern.order) {
-            *x = b[row];
+        let rows = pattern.size();
+        for (x, &row) in room.iter_mut().zip(&pattern.order) {
+            *x = std::array::from_fn(|k| std::array::from_fn(|c| b[c * rows + row][k]));
         }
-        for column in 0..pattern.size() {
-            let (before, after) = x.split_at_mut(column + 1);
+        for column in 0..rows {
+            let (before, after) = room.split_at_mut(column + 1);
             let own = &mut before[column];
             let triangle = &self.diagonal[column];
             for k in 0..SIDE {
-                own[k] *= triangle[k][k];
+                own[k] = own[k].map(|value| value * triangle[k][k]);
                 for row in k + 1..SIDE {
-                    own[row] -= triangle[k][row] * own[k];
+                    own[row] = less(own[row], triangle[k][row], own[k]);
                 }
             }
             let stored = pattern.starts[column]..pattern.starts[column + 1];
             for (&row, block) in pattern.rows[stored.clone()].iter().zip(&self.below[stored]) {
                 let entries = &mut after[row - column - 1];
                 for (value, entries_of) in own.iter().zip(block) {
-                    for (entry, a) in entries.iter_mut().zip(entries_of) {
-                        *entry -= a * value;
+                    for (entry, &a) in entries.iter_mut().zip(entries_of) {
+                        *entry = less(*entry, a, *value);
                     }
                 }
             }
         }
-        for column in (0..pattern.size()).rev() {
-            let (before, after) = x.split_at_mut(column + 1);
+        for column in (0..rows).rev() {
+            let (before, after) = room.split_at_mut(column + 1);
             let own = &mut before[column];
             let stored = pattern.starts[column]..pattern.starts[column + 1];
             for (&row, block) in pattern.rows[stored.clone()].iter().zip(&self.below[stored]) {
                 let entries = &after[row - column - 1];
                 for (value, entries_of) in own.iter_mut().zip(block) {
-                    *value -= entries.iter().zip(entries_of).map(|(x, a)| x * a).sum::<f64>();
+                    for (x, &a) in entries.iter().zip(entries_of) {
+                        *value = less(*value, a, *x);
+                    }
                 }
             }
             let triangle = &self.diagonal[column];
             for k in (0..SIDE).rev() {
-                let known: f64 = (k + 1..SIDE).map(|row| triangle[k][row] * own[row]).sum();
-                own[k] = (own[k] - known) * triangle[k][k];
+                for row in k + 1..SIDE {
+                    own[k] = less(own[k], triangle[k][row], own[row]);
+                }
+                own[k] = own[k].map(|value| value * triangle[k][k]);
             }
         }
-        for (x, &row) in x.iter().zip(&pattern.order) {
-            b[row] = *x;
+        for (x, &row) in room.iter().zip(&pattern.order) {
+            for (k, values) in x.iter().enumerate() {
+                values.iter().enumerate().for_each(|(c, &value)| b[c * rows + row][k] = value);
+            }
         }
     }
+}
+
+/// a − f b, for each column.
+#[inline(always)]
+fn less<const COLUMNS: usize>(
+    mut a: [f64; COLUMNS],
+    factor: f64,
+    b: [f64; COLUMNS],
+) -> [f64; COLUMNS] {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a -= factor * b);
+    a
 }
 
 /// Factors the lower triangle of a block, and inverts its diagonal.
@@ -306,7 +343,7 @@ fn subtract_product(c: &mut Block, a: &Block, b: &Block) {
 mod tests {
     use super::*;
     use crate::random::Random;
-    use nalgebra::{DMatrix, DVector};
+    use nalgebra::DMatrix;
 
     /// Graphs whose factors have no new blocks, some, and all; links without joints.
     fn graphs() -> Vec<(usize, Vec<[usize; 2]>)> {
@@ -360,11 +397,18 @@ mod tests {
             corner += nalgebra::Matrix6::from_fn(|k, l| symmetric[k][l]);
             assert_eq!(matrix.largest(), dense.amax(), "{pairs:?}");
 
-            let expected = DVector::from_fn(6 * size, |_, _| random.next());
-            let mut found = &dense * &expected;
+            let expected = DMatrix::from_fn(6 * size, 3, |_, _| random.next());
+            let given = &dense * &expected;
             matrix.factor(&pattern).unwrap();
-            matrix.solve(&pattern, found.as_mut_slice(), &mut vec![f64::NAN; 6 * size]);
-            assert!((found - expected).amax() < 1e-13, "{pairs:?}");
+            let mut found = given.clone();
+            let mut room = vec![[[f64::NAN; 3]; SIDE]; size];
+            matrix.solve(&pattern, found.as_mut_slice(), &mut room);
+            assert!((&found - expected).amax() < 1e-13, "{pairs:?}");
+            // One column alone is the same to the last bit.
+            let mut alone = given.column(1).into_owned();
+            let mut room = vec![[[f64::NAN; 1]; SIDE]; size];
+            matrix.solve(&pattern, alone.as_mut_slice(), &mut room);
+            assert_eq!(alone, found.column(1), "{pairs:?}");
         }
     }
 

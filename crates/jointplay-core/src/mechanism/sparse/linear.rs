@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+use nalgebra::{DVector, Vector3, Vector6};
 
-use super::block_cholesky::{Block, BlockMatrix, BlockPattern, EMPTY, NotPositive, Place};
+use super::block_cholesky::{BlockMatrix, BlockPattern, NotPositive, Place, Row};
 use super::coupling::{LinearCoupling, SparseCoupling};
+use super::joint_row::{JointRow, Motions, allowed_motions};
 use crate::Error;
 use crate::mechanism::Kinematics;
 use crate::mechanism::joint::Twist;
@@ -14,10 +15,10 @@ use crate::mechanism::joint::Twist;
 const DAMPING: f64 = 1e-14;
 /// Conjugate gradient steps at most: near a singular configuration damping has the last word.
 const MAX_STEPS: usize = 10;
+/// Columns of which one pass through the factor solves the equations.
+const TOGETHER: usize = 4;
 /// Growth of the damping where factorisation fails.
 const MORE_DAMPING: f64 = 100.0;
-/// Screws of a joint of which those before leave no more than this share are combinations of them.
-const DEPENDENT: f64 = 1e-9;
 
 /// Sparsity pattern of the normal equations, which depends on the graph only.
 #[derive(Debug, Clone)]
@@ -47,218 +48,63 @@ impl Pattern {
     }
 }
 
-/// Most independent motions of a joint.
-const MOST: usize = 6;
-
-/// A motion that a joint allows, of a coordinate that follows and does not depend on others.
-#[derive(Debug, Clone, Copy)]
-struct AllowedMotion {
-    coordinate: usize,
-    /// Rate of the coordinate, of the relative twist.
-    rate: Vector6<f64>,
-    /// Direction that the coordinate adds to those before it; the directions of a joint are orthonormal.
-    unit: Vector6<f64>,
-}
-
-/// Takes apart the twists of the coordinates of a joint that follow.
-fn allowed_motions(
-    mut screws: impl Iterator<Item = (usize, Vector6<f64>)>,
-    motions: &mut Vec<AllowedMotion>,
-) {
-    let first = motions.len();
-    let Some(one) = screws.next() else { return };
-    let Some(two) = screws.next() else {
-        // The usual joint, of one coordinate.
-        let (coordinate, screw) = one;
-        let norm = screw.norm();
-        if norm > 0.0 {
-            let unit = screw / norm;
-            motions.push(AllowedMotion { coordinate, rate: unit / norm, unit });
-        }
-        return;
-    };
-    let mut all = [Vector6::zeros(); MOST];
-    let mut names = [0; MOST];
-    let mut found = 0;
-    let mut largest = 0.0_f64;
-    for (k, screw) in [one, two].into_iter().chain(screws).take(MOST) {
-        (all[found], names[found]) = (screw, k);
-        largest = largest.max(screw.norm());
-        found += 1;
-    }
-    // The part of each that is outside the span of the directions so far.
-    let mut rest = all;
-    let mut order = [0; MOST];
-    while motions.len() - first < found {
-        let longest = (0..found).max_by(|&a, &b| rest[a].norm().total_cmp(&rest[b].norm()));
-        let Some(next) = longest else { break };
-        let norm = rest[next].norm();
-        if norm <= DEPENDENT * largest || norm.is_nan() {
-            break;
-        }
-        let unit = rest[next] / norm;
-        order[motions.len() - first] = next;
-        motions.push(AllowedMotion { coordinate: names[next], rate: unit, unit });
-        for vector in &mut rest[..found] {
-            for _ in 0..2 {
-                *vector -= unit * unit.dot(vector);
-            }
-        }
-        rest[next].fill(0.0);
-    }
-    // The twists in terms of the directions are triangular.
-    let own = &mut motions[first..];
-    for i in (0..own.len()).rev() {
-        let unit = own[i].unit;
-        let component = |j: usize| unit.dot(&all[order[j]]);
-        let known: Vector6<f64> =
-            own.iter().enumerate().skip(i + 1).map(|(j, later)| later.rate * component(j)).sum();
-        own[i].rate = (unit - known) / component(i);
-    }
-}
-
-/// What joints allow, and how much they resist it.
-///
-/// ```text
-///    min over q̇   | V − S q̇ |² + r² / (1 − r²) | S q̇ |²   =   | M V |²        M = 1 − (1 − r) Σ u uᵀ,  S q̇ = (1 − r²) Σ u uᵀ V
-/// ```
-#[derive(Debug)]
-struct Motions {
-    /// Of all joints, those of each one after the other.
-    all: Vec<AllowedMotion>,
-    /// r: 0 for joints that move freely, towards 1 for joints that hardly move; with it, steps near singular configurations are short.
-    resistance: f64,
-}
-
-impl Motions {
-    /// 1 − r²: of a relative twist along an allowed direction, the share that the joint follows.
-    fn share(&self) -> f64 {
-        1.0 - self.resistance * self.resistance
-    }
-}
-
-/// One joint linearized at a point of its own; lengths over the length of the system.
-#[derive(Debug, Clone)]
-pub(super) struct JointRow {
-    pub(super) links: [usize; 2],
-    /// From the middle of each link to the point.
-    pub(super) arms: [Vector3<f64>; 2],
-    /// Where its allowed motions begin and end.
-    allowed: [usize; 2],
-}
-
-impl JointRow {
-    /// The motions that the joint allows.
-    fn allowed<'m>(&self, motions: &'m Motions) -> &'m [AllowedMotion] {
-        &motions.all[self.allowed[0]..self.allowed[1]]
-    }
-
-    /// The part of a twist, or of a wrench, that the joint does not allow, and the share [`Motions::resistance`] of the part that it does.
-    fn refused(&self, motions: &Motions, of: &Vector6<f64>) -> Vector6<f64> {
-        let allowed = self.allowed(motions);
-        if allowed.len() == MOST {
-            // A joint with six freedoms has no constraint, only round-off.
-            return Vector6::zeros();
-        }
-        let share = 1.0 - motions.resistance;
-        allowed.iter().fold(*of, |rest, motion| rest - motion.unit * (share * motion.unit.dot(of)))
-    }
-
-    /// Twist of the first link beyond that of the second, at the joint's point.
-    fn relative(&self, x: &[f64]) -> Vector6<f64> {
-        let mut twist = Vector6::zeros();
-        for (side, sense) in [(0, 1.0), (1, -1.0)] {
-            if let Some(link) = self.links[side].checked_sub(1) {
-                let angular = Vector3::from_column_slice(&x[6 * link..6 * link + 3]);
-                let linear = Vector3::from_column_slice(&x[6 * link + 3..6 * link + 6]);
-                let linear = linear + angular.cross(&self.arms[side]);
-                for axis in 0..3 {
-                    twist[axis] += sense * angular[axis];
-                    twist[3 + axis] += sense * linear[axis];
-                }
-            }
-        }
-        twist
-    }
-
-    /// Tᵀ w: a wrench at the joint's point as one at the middle of a link.
-    fn at_middle(&self, side: usize, wrench: &Vector6<f64>) -> Vector6<f64> {
-        let force = wrench.fixed_rows::<3>(3);
-        let moment = wrench.fixed_rows::<3>(0) + self.arms[side].cross(&force);
-        Vector6::new(moment.x, moment.y, moment.z, force[0], force[1], force[2])
-    }
-
-    /// Adds what the joint refuses to the normal equations.
-    ///
-    /// ```text
-    ///    ( T_aᵀ M² T_b )  =  T_aᵀ T_b  −  (1 − r²) Σ (T_aᵀ u)(T_bᵀ u)ᵀ        T: twist at the joint's point of a link's own
-    /// ```
-    fn add_to(
-        &self,
-        motions: &Motions,
-        matrix: &mut BlockMatrix,
-        pattern: &Pattern,
-        between: Option<Place>,
-    ) {
-        let allowed = self.allowed(motions);
-        if allowed.len() == MOST {
-            return;
-        }
-        let share = motions.share();
-        let block = |a: usize, b: usize| {
-            let mut block = transported(&self.arms[a], &self.arms[b]);
-            for motion in allowed {
-                let [of_a, of_b] = [a, b].map(|side| self.at_middle(side, &motion.unit));
-                for (column, factor) in block.iter_mut().zip((of_b * share).iter()) {
-                    for (entry, value) in column.iter_mut().zip(of_a.iter()) {
-                        *entry -= value * factor;
-                    }
-                }
-            }
-            block
-        };
-        for side in 0..2 {
-            if let Some(link) = self.links[side].checked_sub(1) {
-                matrix.add_diagonal(&pattern.blocks, link, &block(side, side));
-            }
-        }
-        if let Some(place) = between {
-            let mut block = block(1, 0);
-            block.as_flattened_mut().iter_mut().for_each(|entry| *entry = -*entry);
-            matrix.add(place, &block);
-        }
-    }
-}
-
-/// Joints linearized one after the other.
+/// Joints linearized one after the other, and memory for what is made of them.
 #[derive(Debug)]
 pub(super) struct JointRows {
     joints: Vec<JointRow>,
     motions: Motions,
+    pub(super) screws: Vec<Twist>,
+    matrix: BlockMatrix,
 }
 
 impl JointRows {
-    /// Room for a number of joints and coordinates.
+    /// No joint yet.
     ///
     /// # Arguments
+    /// * `pattern` – of the normal equations
     /// * `resistance` – see [`Motions`]
-    pub(super) fn with_capacity(joints: usize, coordinates: usize, resistance: f64) -> Self {
-        let all = Vec::with_capacity(coordinates);
-        Self { joints: Vec::with_capacity(joints), motions: Motions { all, resistance } }
+    /// * `screws` – of all coordinates, see [`Linear`]
+    /// * `former` – closures of the same mechanism that are not needed any more; their memory is used again
+    pub(super) fn new(
+        pattern: &Pattern,
+        resistance: f64,
+        screws: &[Twist],
+        former: Option<Linear>,
+    ) -> Self {
+        let mut rows = match former {
+            Some(Linear { joints, motions, screws, factor: matrix, .. }) => {
+                Self { joints, motions, screws, matrix }
+            }
+            None => Self {
+                joints: Vec::with_capacity(pattern.between.len()),
+                motions: Motions { all: Vec::with_capacity(screws.len()), resistance },
+                screws: Vec::with_capacity(screws.len()),
+                matrix: BlockMatrix::zeros(&pattern.blocks),
+            },
+        };
+        rows.joints.clear();
+        rows.motions.all.clear();
+        rows.motions.resistance = resistance;
+        rows.screws.clear();
+        rows.screws.extend_from_slice(screws);
+        rows
     }
 
     /// Adds the next joint.
     ///
     /// # Arguments
     /// * `arms` – from the middle of each link to the point
-    /// * `follows` – the coordinates that follow, with their twists
+    /// * `follows` – the coordinates that follow
+    /// * `scaled` – a twist with lengths over the length of the system
     pub(super) fn push(
         &mut self,
         links: [usize; 2],
         arms: [Vector3<f64>; 2],
-        follows: impl Iterator<Item = (usize, Vector6<f64>)>,
+        follows: impl Iterator<Item = usize>,
+        scaled: impl Fn(&Twist) -> Vector6<f64>,
     ) {
         let first = self.motions.all.len();
+        let follows = follows.map(|k| (k, scaled(&self.screws[k])));
         allowed_motions(follows, &mut self.motions.all);
         self.joints.push(JointRow { links, arms, allowed: [first, self.motions.all.len()] });
     }
@@ -280,36 +126,6 @@ impl JointRows {
     }
 }
 
-/// T_aᵀ T_b of the transports of two arms.
-///
-/// ```text
-///    T  =  (   1    0 )        T_aᵀ T_b  =  ( 1 − [a][b]   [a] )
-///          ( −[a]   1 )                     (   −[b]        1  )
-/// ```
-fn transported(a: &Vector3<f64>, b: &Vector3<f64>) -> Block {
-    let mut block = EMPTY;
-    let dot = a.dot(b);
-    for column in 0..3 {
-        for row in 0..3 {
-            // [a][b] = b aᵀ − (a · b) 1
-            block[column][row] = -b[row] * a[column];
-        }
-        block[column][column] += 1.0 + dot;
-        block[3 + column][3 + column] = 1.0;
-    }
-    let cross = |block: &mut Block, [row, column]: [usize; 2], v: &Vector3<f64>| {
-        block[column + 1][row] = -v.z;
-        block[column + 2][row] = v.y;
-        block[column][row + 1] = v.z;
-        block[column + 2][row + 1] = -v.x;
-        block[column][row + 2] = -v.y;
-        block[column + 1][row + 2] = v.x;
-    };
-    cross(&mut block, [0, 3], a);
-    cross(&mut block, [3, 0], &-b);
-    block
-}
-
 /// All joints and couplings linearized, and the factor of their damped normal equations.
 ///
 /// ```text
@@ -327,30 +143,25 @@ pub(super) struct Linear {
     factor: BlockMatrix,
     /// δ²
     pub(super) damping: f64,
-    size: usize,
 }
 
 impl Linear {
     pub(super) fn new(
         pattern: &Arc<Pattern>,
-        links: usize,
         rows: JointRows,
         couplings: Vec<LinearCoupling>,
-        screws: Vec<Twist>,
     ) -> Result<Self, Error> {
-        let JointRows { joints, motions } = rows;
-        let size = 6 * (links - 1);
-        let assembled = || {
-            let mut matrix = BlockMatrix::zeros(&pattern.blocks);
+        let JointRows { joints, motions, screws, mut matrix } = rows;
+        let assemble = |matrix: &mut BlockMatrix| {
+            matrix.clear();
             for (joint, between) in joints.iter().zip(&pattern.between) {
-                joint.add_to(&motions, &mut matrix, pattern, *between);
+                joint.add_to(&motions, matrix, &pattern.blocks, *between);
             }
             for (coupling, places) in couplings.iter().zip(&pattern.coupled) {
-                coupling.add_to(&mut matrix, &pattern.blocks, places);
+                coupling.add_to(matrix, &pattern.blocks, places);
             }
-            matrix
         };
-        let mut matrix = assembled();
+        assemble(&mut matrix);
         // No less than one joint that refuses anything would make it.
         let largest = matrix.largest().max(1.0);
         let mut damping = DAMPING * largest;
@@ -365,10 +176,10 @@ impl Linear {
                     return Err(Error::NotFinite { what, value: f64::NAN });
                 }
             }
-            matrix = assembled();
+            assemble(&mut matrix);
         }
         let pattern = pattern.clone();
-        Ok(Self { joints, couplings, motions, screws, pattern, factor: matrix, damping, size })
+        Ok(Self { joints, couplings, motions, screws, pattern, factor: matrix, damping })
     }
 
     /// Number of independent motions that all joints allow.
@@ -378,21 +189,30 @@ impl Linear {
 
     /// (6·(links − 1)) number of unknowns.
     pub(super) fn size(&self) -> usize {
-        self.size
+        self.pattern.blocks.unknowns()
+    }
+
+    /// Number of closures: six a joint and one a coupling.
+    pub(super) fn closures(&self) -> usize {
+        6 * self.joints.len() + self.couplings.len()
     }
 
     /// J x, six numbers a joint and one a coupling.
     pub(super) fn apply(&self, x: &[f64]) -> DVector<f64> {
-        let joints = 6 * self.joints.len();
-        let mut y = DVector::zeros(joints + self.couplings.len());
-        for (j, joint) in self.joints.iter().enumerate() {
-            let refused = joint.refused(&self.motions, &joint.relative(x));
-            y.fixed_rows_mut::<6>(6 * j).copy_from(&refused);
-        }
-        for (c, coupling) in self.couplings.iter().enumerate() {
-            y[joints + c] = coupling.apply(x);
-        }
+        let mut y = DVector::zeros(self.closures());
+        self.apply_to(x, y.as_mut_slice());
         y
+    }
+
+    /// Writes J x.
+    pub(super) fn apply_to(&self, x: &[f64], y: &mut [f64]) {
+        let (of_joints, of_couplings) = y.split_at_mut(6 * self.joints.len());
+        for (joint, y) in self.joints.iter().zip(of_joints.as_chunks_mut::<6>().0) {
+            *y = joint.refused(&self.motions, &joint.relative(x)).into();
+        }
+        for (coupling, y) in self.couplings.iter().zip(of_couplings) {
+            *y = coupling.apply(x);
+        }
     }
 
     /// Violations while no link moves: of each joint the part of its twist that it refuses, of each coupling the change by rates of coordinates.
@@ -402,7 +222,7 @@ impl Linear {
     /// * `rates` – rates of all coordinates for these twists (m, rad)
     pub(super) fn violated(&self, beyond: &DVector<f64>, rates: &DVector<f64>) -> DVector<f64> {
         let joints = 6 * self.joints.len();
-        let mut violated = DVector::zeros(joints + self.couplings.len());
+        let mut violated = DVector::zeros(self.closures());
         for (j, joint) in self.joints.iter().enumerate() {
             let refused = joint.refused(&self.motions, &beyond.fixed_rows::<6>(6 * j).into_owned());
             violated.fixed_rows_mut::<6>(6 * j).copy_from(&refused);
@@ -415,7 +235,7 @@ impl Linear {
 
     /// Jᵀ y.
     pub(super) fn apply_transposed(&self, y: &DVector<f64>) -> DVector<f64> {
-        let mut x = DVector::zeros(self.size);
+        let mut x = DVector::zeros(self.size());
         for (j, joint) in self.joints.iter().enumerate() {
             let wrench = joint.refused(&self.motions, &y.fixed_rows::<6>(6 * j).into_owned());
             for (side, sense) in [(0, 1.0), (1, -1.0)] {
@@ -431,31 +251,48 @@ impl Linear {
         x
     }
 
-    /// N⁻¹ b in place, for each column.
-    pub(super) fn solve(&self, b: &mut DMatrix<f64>) {
-        let mut room = vec![0.0; self.size];
-        if self.size > 0 {
-            for column in b.as_mut_slice().chunks_exact_mut(self.size) {
-                self.factor.solve(&self.pattern.blocks, column, &mut room);
-            }
+    /// N⁻¹ b in place, for columns one after the other.
+    pub(super) fn solve(&self, b: &mut [f64]) {
+        let size = self.size();
+        if size == 0 {
+            return;
         }
+        let mut several = b.chunks_exact_mut(TOGETHER * size);
+        let mut room = Vec::new();
+        for columns in &mut several {
+            self.solve_columns::<TOGETHER>(columns, &mut room);
+        }
+        let mut room = Vec::new();
+        for column in several.into_remainder().chunks_exact_mut(size) {
+            self.solve_columns::<1>(column, &mut room);
+        }
+    }
+
+    fn solve_columns<const COLUMNS: usize>(
+        &self,
+        columns: &mut [f64],
+        room: &mut Vec<Row<COLUMNS>>,
+    ) {
+        room.resize(self.pattern.blocks.size(), [[0.0; COLUMNS]; 6]);
+        self.factor.solve(&self.pattern.blocks, columns, room);
     }
 
     /// The shortest x for which J x = y, or nearest to it: by conjugate gradients with the factor as preconditioner, until steps are shorter than a share of x.
     ///
     /// The factor leaves to them only what damping hides: a few motions that break next to nothing.
     pub(super) fn solve_least(&self, y: &DVector<f64>, settled: f64) -> DVector<f64> {
-        let mut x = DVector::zeros(self.size);
+        let mut x = DVector::zeros(self.size());
         let mut open = y.clone();
-        let mut along: DVector<f64> = DVector::zeros(self.size);
+        let mut along: DVector<f64> = DVector::zeros(self.size());
+        let mut room = Vec::new();
         let mut slope = f64::INFINITY;
         for _ in 0..=MAX_STEPS {
             let gradient = self.apply_transposed(&open);
-            let mut steepest = DMatrix::from_columns(std::slice::from_ref(&gradient));
-            self.solve(&mut steepest);
-            let steepest = steepest.column(0);
+            let mut steepest = gradient.clone();
+            self.solve_columns::<1>(steepest.as_mut_slice(), &mut room);
             let next = gradient.dot(&steepest);
-            along = steepest + along * (next / slope);
+            along *= next / slope;
+            along += steepest;
             slope = next;
             let closed = self.apply(along.as_slice());
             let reach = slope / closed.norm_squared();

@@ -169,7 +169,7 @@ impl SparseSystem<'_> {
     /// Mobility of a mechanism as a whole.
     fn block_mobility(&self, relative_threshold: f64) -> Result<SparseMobility, Error> {
         let held = self.held([]);
-        let linear = self.linear(&held, 0.0)?;
+        let linear = self.linear(&held, 0.0, None)?;
         let spectrum = linear.smallest(relative_threshold, 4)?;
         let mechanism = self.kinematics.mechanism();
         let freedoms = mechanism.joint_freedoms();
@@ -243,6 +243,7 @@ impl SparseSystem<'_> {
         let units = self.units();
         let leading = leading(rates, &units);
         let held = self.held(leading.iter().copied());
+        let (here, mut former) = (self.linear(&held, 0.0, None)?, None);
         let mut random = Random(2);
         let directions: Vec<Vec<f64>> = match rates {
             [_] => vec![vec![1.0], vec![-1.0]],
@@ -260,7 +261,8 @@ impl SparseSystem<'_> {
             for &k in &leading {
                 drives[k] = direction[k];
             }
-            let done = self.clone().follow(&drives, &held, None, &mut 1.0, SHORTEST_STEP)?;
+            let mut there = self.clone();
+            let done = there.follow(&drives, &held, &here, &mut 1.0, SHORTEST_STEP, &mut former)?;
             if done < 1.0 {
                 return Ok(false);
             }

@@ -5,6 +5,7 @@
 
 mod block_cholesky;
 mod coupling;
+mod joint_row;
 mod least_values;
 mod linear;
 mod mobility;

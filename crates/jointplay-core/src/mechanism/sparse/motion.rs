@@ -10,7 +10,7 @@ use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
 use crate::mechanism::{Drive, DrivePath, DrivenMotion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
-/// Residual that ends the corrections.
+/// Residual that ends the corrections, unless the chains are so long that round-off is more.
 const CLOSED: f64 = 0.01 * CLOSURE_TOLERANCE;
 /// Changes of a step below this share of it end the iteration: Newton's method corrects the rest.
 const SETTLED: f64 = 1e-6;
@@ -40,30 +40,40 @@ impl SparseSystem<'_> {
     /// [`Error::NotReached`]: the system is then as near as it came.
     pub fn close(&mut self, held: &[usize], max_iterations: usize) -> Result<usize, Error> {
         let held = self.held(held.iter().copied());
-        self.correct(&held, max_iterations).map(|(iterations, _)| iterations)
+        self.correct(&held, max_iterations, &mut None).map(|(iterations, _)| iterations)
     }
 
     /// Closes all joints; returns the steps done and the largest displacement of a coordinate.
-    fn correct(&mut self, held: &[bool], max_iterations: usize) -> Result<(usize, f64), Error> {
+    ///
+    /// # Arguments
+    /// * `former` – closures of which only the memory is used
+    fn correct(
+        &mut self,
+        held: &[bool],
+        max_iterations: usize,
+        former: &mut Option<Linear>,
+    ) -> Result<(usize, f64), Error> {
+        #[expect(clippy::cast_precision_loss, reason = "a count of links")]
+        let closed = CLOSED.max(f64::EPSILON * self.poses.len() as f64).min(CLOSURE_TOLERANCE);
         let mut gap = self.gap();
         let (mut iterations, mut moved) = (0, DVector::zeros(self.coordinates.len()));
-        let (mut linear, mut before) = (None, f64::INFINITY);
+        // Whether the former closures are those of the configuration before.
+        let (mut is_near, mut before) = (false, f64::INFINITY);
         // Of the joints, for each unit of the norm of the gap.
         let mut resistance = 0.0;
-        while gap.largest > CLOSED && iterations < max_iterations && resistance < MOST_RESISTANCE {
+        while gap.largest > closed && iterations < max_iterations && resistance < MOST_RESISTANCE {
             // Newton's steps square the residual; by the last factor the next one still takes a share as large as the last step left.
-            if 2.0 * gap.largest * gap.largest / before > CLOSED {
-                linear = None;
-            }
-            let (factored, is_last) = match linear.take() {
-                Some(last) => (last, true),
-                None => (self.linear(held, (resistance * gap.norm).min(RIGID))?, false),
+            let is_last = is_near && 2.0 * gap.largest * gap.largest / before <= closed;
+            let linear = match former.take() {
+                Some(last) if is_last => last,
+                spare => self.linear(held, (resistance * gap.norm).min(RIGID), spare)?,
             };
             iterations += 1;
-            let (x, by) = self.least_step(&factored, None);
+            let (x, by) = self.least_step(&linear, None);
+            *former = Some(linear);
+            is_near = false;
             let share = (LONGEST_STEP / self.largest(&by)).min(1.0);
-            let mut there = self.clone();
-            let reached = there.displace((&x * share).as_slice(), &(&by * share));
+            let (there, reached) = self.displaced((&x * share).as_slice(), &(&by * share));
             if reached.norm < gap.norm && share >= LEAST_SHARE {
                 moved += &by * share;
                 let stalled =
@@ -72,7 +82,7 @@ impl SparseSystem<'_> {
                 if stalled {
                     break;
                 }
-                linear = (resistance == 0.0).then_some(factored);
+                is_near = resistance == 0.0;
                 resistance /= CHANGE;
                 if resistance < FIRST_RESISTANCE {
                     resistance = 0.0;
@@ -137,37 +147,39 @@ impl SparseSystem<'_> {
     ///
     /// # Arguments
     /// * `path` – (f + M) displacement of each driven coordinate; zero for those that follow
-    /// * `here` – the closures linearized at this configuration, if they are
+    /// * `here` – the closures linearized at this configuration
+    /// * `former` – closures of which only the memory is used
     pub(super) fn follow(
         &mut self,
         path: &DVector<f64>,
         held: &[bool],
-        mut here: Option<Linear>,
+        here: &Linear,
         step: &mut f64,
         shortest: f64,
+        former: &mut Option<Linear>,
     ) -> Result<f64, Error> {
         let mut done = 0.0;
+        // The closures linearized where steps ended.
+        let mut reached: Option<Linear> = None;
         while done < 1.0 {
             let share = if done + *step > 1.0 - 0.01 * shortest { 1.0 - done } else { *step };
-            let linear = match here.take() {
-                Some(linear) => linear,
-                None => self.linear(held, 0.0)?,
-            };
-            let (x, by) = self.least_step(&linear, Some(&(path * share)));
+            let linear = reached.as_ref().unwrap_or(here);
+            let (x, by) = self.least_step(linear, Some(&(path * share)));
             let size = self.largest(&by);
-            let mut there = self.clone();
-            there.displace(x.as_slice(), &by);
+            let (mut there, _) = self.displaced(x.as_slice(), &by);
             let stayed = size <= LONGEST_STEP
                 && matches!(
-                    there.correct(held, MAX_CORRECTIONS),
+                    there.correct(held, MAX_CORRECTIONS, former),
                     Ok((_, moved)) if on_branch(moved, size)
                 );
             if stayed {
                 *self = there;
                 done = if share == 1.0 - done { 1.0 } else { done + share };
                 *step *= 2.0;
+                if done < 1.0 {
+                    reached = Some(self.linear(held, 0.0, reached.take())?);
+                }
             } else {
-                here = Some(linear);
                 *step *= 0.5;
                 if *step < shortest {
                     break;
@@ -217,9 +229,10 @@ impl SparseSystem<'_> {
         progress: &mut dyn FnMut(usize),
     ) -> Result<DrivenMotion, Error> {
         let held = self.held(path.coordinates().iter().chain(held).copied());
-        self.correct(&held, MAX_CORRECTIONS)?;
-        let (first, linear) = self.waypoint(0.0, &held, None)?;
-        let mut here = Some(linear);
+        let mut former = None;
+        self.correct(&held, MAX_CORRECTIONS, &mut former)?;
+        let mut here = self.linear(&held, 0.0, None)?;
+        let first = self.waypoint(0.0, &here, None)?;
         let regular = first.free_mobility;
         let mut motion =
             DrivenMotion { waypoints: vec![first], singular: Vec::new(), stopped: None, steps: 0 };
@@ -231,7 +244,7 @@ impl SparseSystem<'_> {
                 part[coordinate] = to - self.coordinates[coordinate];
             }
             motion.steps += 1;
-            let done = self.follow(&part, &held, here.take(), &mut step, SHORTEST_STEP)?;
+            let done = self.follow(&part, &held, &here, &mut step, SHORTEST_STEP, &mut former)?;
             let share = (k as f64 - 1.0 + done) / count as f64;
             if done == 1.0 {
                 // Sums of many steps would be off by round-off.
@@ -239,9 +252,8 @@ impl SparseSystem<'_> {
                     self.coordinates[coordinate] = to;
                 }
             }
-            let (waypoint, linear) = self.waypoint(share, &held, Some(regular))?;
-            motion.waypoints.push(waypoint);
-            here = Some(linear);
+            here = self.linear(&held, 0.0, Some(here))?;
+            motion.waypoints.push(self.waypoint(share, &here, Some(regular))?);
             if done < 1.0 {
                 let least = |w: &Waypoint| w.least_singular_value;
                 let dead = motion
@@ -256,25 +268,23 @@ impl SparseSystem<'_> {
         Ok(motion)
     }
 
-    /// The present configuration as a waypoint, and its closures linearized.
+    /// The present configuration, of which these are the closures, as a waypoint.
     fn waypoint(
         &self,
         share: f64,
-        held: &[bool],
+        linear: &Linear,
         regular: Option<usize>,
-    ) -> Result<(Waypoint, Linear), Error> {
-        let linear = self.linear(held, 0.0)?;
+    ) -> Result<Waypoint, Error> {
         let spectrum = linear.smallest(RANK_THRESHOLD, regular.map_or(2, |h| h + 1))?;
         let free = spectrum.zeros;
         let least =
             spectrum.values.get(regular.unwrap_or(free)).copied().unwrap_or(spectrum.largest);
-        let waypoint = Waypoint {
+        Ok(Waypoint {
             share,
             coordinates: self.coordinates.clone(),
             residual: self.residual(),
             free_mobility: free,
             least_singular_value: least / spectrum.largest.max(f64::MIN_POSITIVE),
-        };
-        Ok((waypoint, linear))
+        })
     }
 }

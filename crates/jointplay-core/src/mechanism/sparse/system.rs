@@ -163,7 +163,13 @@ impl<'a> SparseSystem<'a> {
     ///
     /// # Arguments
     /// * `resistance` – of the joints, from 0, for joints that move freely, to 1
-    pub(super) fn linear(&self, held: &[bool], resistance: f64) -> Result<Linear, Error> {
+    /// * `former` – closures of another configuration that are not needed any more; their memory is used again
+    pub(super) fn linear(
+        &self,
+        held: &[bool],
+        resistance: f64,
+        former: Option<Linear>,
+    ) -> Result<Linear, Error> {
         let mechanism = self.kinematics.mechanism();
         let centers: Vec<Vector3<f64>> = self
             .middles
@@ -171,26 +177,23 @@ impl<'a> SparseSystem<'a> {
             .zip(&self.poses)
             .map(|(middle, pose)| pose.rotation * middle + pose.translation.vector)
             .collect();
-        let mut screws = self.screws.clone();
-        let joints = mechanism.joints();
-        let mut rows = JointRows::with_capacity(joints.len(), screws.len(), resistance);
-        for (j, joint) in joints.iter().enumerate() {
+        let mut rows = JointRows::new(&self.pattern, resistance, &self.screws, former);
+        for (j, joint) in mechanism.joints().iter().enumerate() {
             let first = &self.poses[joint.links[0]];
             let point =
                 first.rotation * joint.frames[0].translation.vector + first.translation.vector;
             for k in self.kinematics.columns_of(j) {
-                let (angular, linear) = &mut screws[k];
+                let (angular, linear) = &mut rows.screws[k];
                 (*angular, *linear) = (first.rotation * *angular, first.rotation * *linear);
             }
-            let follows = self.kinematics.columns_of(j).filter(|&k| !held[k]);
-            let follows = follows.map(|k| (k, self.scaled(&screws[k].0, &screws[k].1)));
             let arms = joint.links.map(|link| (point - centers[link]) / self.length);
-            rows.push(joint.links, arms, follows);
+            let follows = self.kinematics.columns_of(j).filter(|&k| !held[k]);
+            rows.push(joint.links, arms, follows, |twist| self.scaled(&twist.0, &twist.1));
         }
         let couplings = self.couplings.iter();
         let couplings = couplings.map(|one| one.linear(|j, k| rows.rates_by_twists(j, k)));
         let couplings = couplings.collect();
-        Linear::new(&self.pattern, mechanism.links().len(), rows, couplings, screws)
+        Linear::new(&self.pattern, rows, couplings)
     }
 
     /// (6·joints) what the first link and the joint make of the second link's pose, against where it is; lengths over the length of the system.
@@ -217,30 +220,45 @@ impl<'a> SparseSystem<'a> {
         Vector6::new(angular.x, angular.y, angular.z, linear.x, linear.y, linear.z)
     }
 
-    /// Displaces links by small twists about their middles, and coordinates by small steps; returns how far joints are from closed then.
+    /// The system with links displaced by small twists about their middles, and coordinates by small steps; and how far joints are from closed then.
     ///
     /// Far links of a long chain sweep arcs that a twist is too straight for; where the joints of a spanning tree with short loops put them with the new coordinates is tried too.
-    pub(super) fn displace(&mut self, x: &[f64], by: &DVector<f64>) -> Gap {
-        for (link, pose) in self.poses.iter_mut().enumerate().skip(1) {
-            let x = &x[6 * (link - 1)..6 * link];
-            let center = pose.rotation * self.middles[link] + pose.translation.vector;
+    pub(super) fn displaced(&self, x: &[f64], by: &DVector<f64>) -> (Self, Gap) {
+        let mut poses = Vec::with_capacity(self.poses.len());
+        poses.push(self.poses[0]);
+        let (twists, _) = x.as_chunks::<6>();
+        let links = self.poses.iter().zip(self.middles.iter()).skip(1);
+        poses.extend(links.zip(twists).map(|((pose, middle), x)| {
+            let center = pose.rotation * middle + pose.translation.vector;
             let turn: Rotation3<f64> = cayley(&Vector3::new(x[0], x[1], x[2]));
             let shifted = center + Vector3::new(x[3], x[4], x[5]) * self.length;
             let rotation = turn * pose.rotation;
-            let translation = shifted - rotation * self.middles[link];
-            *pose = Pose::from_parts(Translation3::from(translation), rotation);
-        }
-        self.coordinates = self.kinematics.moved(&self.coordinates, by);
-        (self.displacements, self.screws) = joints_at(&self.kinematics, &self.coordinates);
-        let by_twists = self.gap();
+            let translation = shifted - rotation * middle;
+            Pose::from_parts(Translation3::from(translation), rotation)
+        }));
+        let coordinates = self.kinematics.moved(&self.coordinates, by);
+        let (displacements, screws) = joints_at(&self.kinematics, &coordinates);
+        let mut there = Self {
+            kinematics: Arc::clone(&self.kinematics),
+            couplings: Arc::clone(&self.couplings),
+            pattern: Arc::clone(&self.pattern),
+            tree: Arc::clone(&self.tree),
+            middles: Arc::clone(&self.middles),
+            length: self.length,
+            poses,
+            coordinates,
+            displacements,
+            screws,
+        };
+        let by_twists = there.gap();
         let mechanism = self.kinematics.mechanism();
-        let by_tree = tree_poses(mechanism, &self.tree, &self.displacements);
-        let gap = self.gap_of(&by_tree);
+        let by_tree = tree_poses(mechanism, &self.tree, &there.displacements);
+        let gap = there.gap_of(&by_tree);
         if gap.norm < by_twists.norm {
-            self.poses = by_tree;
-            return gap;
+            there.poses = by_tree;
+            return (there, gap);
         }
-        by_twists
+        (there, by_twists)
     }
 
     /// For each coordinate whether it keeps its value: those named and all virtual joints.
