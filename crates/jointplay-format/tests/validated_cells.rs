@@ -103,6 +103,23 @@ proptest! {
     }
 }
 
+/// Took minutes when the travel between two samples was bounded by the limit of the jerk alone.
+#[test]
+fn cells_without_a_limit_of_jerk_are_checked_at_a_low_rate() {
+    let check = CheckOptions { rate: 20.0, report_distance: 0.01 };
+    let options = PlanOptions { check, ..PlanOptions::default() };
+    let program = program::parse(PROGRAM).unwrap();
+    let plan = |jerk: f64| {
+        let mut cell = example();
+        for axis in &mut cell.robot.axes {
+            (axis.empty.jerk, axis.loaded.jerk) = (jerk, jerk);
+        }
+        IncrementalPlanner::default().plan(&cell, &program, &options).unwrap()
+    };
+    let [large, larger] = [1e6, 1e9].map(plan);
+    assert_eq!(large.1.result, larger.1.result);
+}
+
 #[test]
 fn validation_reports_each_invalid_part() {
     assert_eq!(example().validate(), Ok(()));

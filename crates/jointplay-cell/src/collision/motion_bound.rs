@@ -8,8 +8,11 @@ use nalgebra::Vector2;
 
 use super::in_plane_motion::{InPlaneMotion, InPlaneRates};
 use super::motion_bound_coefficients::MotionBoundCoefficients;
-use crate::robot::{HybridRobot, MAX_AXES, RODS};
+use crate::robot::{HybridRobot, KinematicLimits, MAX_AXES, RODS};
 use crate::trajectory::{AxisSampler, AxisState};
+
+/// Velocities and accelerations are at most this multiple of their limits: lines are compared with them at some times only.
+const LIMIT_EXCESS: f64 = 1.01;
 
 /// Upper bounds of the displacement of any point of an object in an interval.
 #[derive(Debug, Clone, Copy, Default)]
@@ -182,8 +185,8 @@ pub(crate) struct MotionBoundModel {
     /// Gradient of the platform plane's slope by each rod (1/m).
     slopes: [Vector2<f64>; RODS],
     in_plane: InPlaneMotion,
-    /// Largest jerk that the limits of each axis allow [m/s³ or rad/s³]: samples do not show the jerk between them.
-    jerks: [f64; MAX_AXES],
+    /// Largest velocity, acceleration and jerk that the limits of each axis allow: samples do not show those between them.
+    limits: [KinematicLimits; MAX_AXES],
 }
 
 impl MotionBoundModel {
@@ -197,12 +200,13 @@ impl MotionBoundModel {
         let origin = [0.0, 0.0];
         let weight = |k: usize| area(corner((k + 1) % 3), corner((k + 2) % 3), origin) / whole;
         let side = |k: usize| (b[(k + 1) % 3] - b[(k + 2) % 3]).norm();
-        let mut jerks = [0.0; MAX_AXES];
-        for (jerk, axis) in jerks.iter_mut().zip(&robot.axes) {
-            *jerk = axis.empty.jerk.max(axis.loaded.jerk);
+        let mut limits =
+            [KinematicLimits { velocity: 0.0, acceleration: 0.0, jerk: 0.0 }; MAX_AXES];
+        for (limits, axis) in limits.iter_mut().zip(&robot.axes) {
+            *limits = largest_limits(axis.empty, axis.loaded);
         }
         Self {
-            jerks,
+            limits,
             weight_sum: (0..RODS).map(|k| weight(k).abs()).sum(),
             heights: [0, 1, 2].map(|k| whole.abs() / side(k)),
             slopes: [0, 1, 2].map(|k| {
@@ -228,9 +232,10 @@ impl MotionBoundModel {
         axis: usize,
         [from, to]: [&AxisState; 2],
     ) -> [f64; 2] {
-        let jerk = self.jerks[axis].max(from[3].abs()).max(to[3].abs());
-        let acceleration = bound_between(dt, [from[2], to[2]], jerk);
-        let speed = bound_between(dt, [from[1], to[1]], acceleration);
+        let limits = &self.limits[axis];
+        let jerk = limits.jerk.max(from[3].abs()).max(to[3].abs());
+        let acceleration = bound_between(dt, [from[2], to[2]], jerk, limits.acceleration);
+        let speed = bound_between(dt, [from[1], to[1]], acceleration, limits.velocity);
         [speed, acceleration]
     }
 
@@ -248,11 +253,16 @@ impl MotionBoundModel {
         };
         let velocities = [from, to].map(|states| deviations(states, 1));
         let accelerations = [from, to].map(|states| deviations(states, 2));
-        let jerk_of = |rod: usize| self.jerks[rod].max(from[rod][3].abs()).max(to[rod][3].abs());
-        let jerk = 2.0 * (0..RODS).map(jerk_of).fold(0.0, f64::max);
+        let jerk_of = |rod: usize| from[rod][3].abs().max(to[rod][3].abs());
+        let limits = self.limits[..RODS].iter().copied().reduce(largest_limits);
+        let KinematicLimits { velocity, acceleration, jerk } = limits.unwrap_or(self.limits[0]);
+        // A deviation from the mean is at most twice the largest.
+        let jerk = 2.0 * (0..RODS).map(jerk_of).fold(jerk, f64::max);
         let rotation = |rod: usize| {
-            let acceleration = bound_between(dt, accelerations.map(|of| of[rod]), jerk);
-            let speed = bound_between(dt, velocities.map(|of| of[rod]), acceleration);
+            let most = 2.0 * acceleration;
+            let acceleration = bound_between(dt, accelerations.map(|of| of[rod]), jerk, most);
+            let speed =
+                bound_between(dt, velocities.map(|of| of[rod]), acceleration, 2.0 * velocity);
             dt * speed / self.heights[rod]
         };
         (0..RODS).map(rotation).sum()
@@ -305,11 +315,21 @@ impl MotionBoundModel {
     }
 }
 
-/// Upper bound of the magnitude between two values of a quantity whose rate is bounded.
+/// The larger of each limit.
+fn largest_limits(one: KinematicLimits, other: KinematicLimits) -> KinematicLimits {
+    KinematicLimits {
+        velocity: one.velocity.max(other.velocity),
+        acceleration: one.acceleration.max(other.acceleration),
+        jerk: one.jerk.max(other.jerk),
+    }
+}
+
+/// Upper bound of the magnitude between two values of a quantity whose rate is bounded, and which has a limit.
 ///
 /// The travel at a speed with this bound is additive over parts of the interval: in half of the time at most half.
-fn bound_between(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
-    0.5 * (first.abs() + last.abs() + dt * rate)
+fn bound_between(dt: f64, [first, last]: [f64; 2], rate: f64, limit: f64) -> f64 {
+    let [first, last] = [first.abs(), last.abs()];
+    (0.5 * (first + last + dt * rate)).min(LIMIT_EXCESS * limit.max(first).max(last))
 }
 
 #[cfg(test)]
@@ -329,8 +349,14 @@ mod tests {
             // From rest at constant acceleration, the second half is three times the first.
             let (v, a) = if round == 0 { (0.0, 5.0) } else { (0.2 * random(), 10.0 * random()) };
             let speed = |t: f64| v + a * t + 0.5 * jerk * t * t;
-            let acceleration = bound_between(dt, [a, a + jerk * dt], jerk.abs());
-            let bound = dt * bound_between(dt, [v, speed(dt)], acceleration);
+            // Limits that are not reached, and those that are.
+            let most = |of: &dyn Fn(f64) -> f64| {
+                let times = (0..=100).map(|k| of(dt * f64::from(k) / 100.0).abs());
+                times.fold(0.0, f64::max) * if round % 2 == 0 { 1.0 } else { 3.0 }
+            };
+            let limit = most(&|t| a + jerk * t);
+            let acceleration = bound_between(dt, [a, a + jerk * dt], jerk.abs(), limit);
+            let bound = dt * bound_between(dt, [v, speed(dt)], acceleration, most(&speed));
             let travel = |from: f64| {
                 let steps = 200;
                 let step = 0.5 * dt / f64::from(steps);
