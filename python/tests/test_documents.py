@@ -22,6 +22,7 @@ def test_code_of_documents_runs(name, monkeypatch, tmp_path):
         exec(compile(block, name, "exec"), names)
 
 
+@pytest.mark.once
 @pytest.mark.filterwarnings("default")
 def test_code_for_clusters_runs(monkeypatch, tmp_path):
     text = (ROOT / "docs" / "how-to" / "run-a-study-on-a-cluster.md").read_text(encoding="utf-8")

@@ -557,6 +557,7 @@ def test_positions_beyond_joint_limits_have_their_status():
         mechanism.positions({"S1[0]": [0.0], "S1[1]": [0.01]})
 
 
+@pytest.mark.once
 def test_many_loops_by_sparse_algebra():
     """Seventy parallelograms side by side: too many for dense algebra, and easy to count."""
     points = {"a": (0, 0), "b": (1, 0), "c": (1, 2), "d": (0, 2)}

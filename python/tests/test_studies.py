@@ -282,11 +282,13 @@ def until_disturbed(attempt: Callable[[str, Path], bool], folder: Path) -> None:
     assert any(attempt(text, folder / str(k)) for k, text in enumerate(LARGE)), "all work ended before it was disturbed"
 
 
+@pytest.mark.once
 @pytest.mark.skipif(os.name == "nt", reason="processes of Windows have no SIGKILL")
 def test_processes_that_are_killed_are_made_up_for(tmp_path):
     until_disturbed(killed_and_replaced, tmp_path)
 
 
+@pytest.mark.once
 @pytest.mark.skipif(os.name == "nt", reason="processes of Windows have no SIGKILL")
 @pytest.mark.filterwarnings("default")
 def test_dask_with_a_worker_killed(tmp_path):
@@ -314,6 +316,7 @@ def worker_killed(text: str, folder: Path) -> bool:
     assert gathered(parts, folder) == whole(text)[:2]
     return True
 
+@pytest.mark.once
 @pytest.mark.skipif(os.name == "nt", reason="processes of Windows have no SIGKILL")
 @pytest.mark.filterwarnings("default")
 def test_a_study_killed_on_dask_and_resumed_as_an_array_is_one_process(tmp_path):
