@@ -3,8 +3,14 @@
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
+use axum::Router;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::GracefulShutdown;
+use hyper_util::service::TowerToHyperService;
 use jointplay::format::robot::{self, Robot};
 use tokio::runtime::{Builder, Runtime};
 use tokio::task::JoinHandle;
@@ -21,6 +27,12 @@ use crate::work::Deadlines;
 
 /// The default port.
 pub const DEFAULT_PORT: u16 = 4816;
+
+/// Longest time until the headers of a request have arrived: connections that stay without one are closed.
+const HEADER_TIME: Duration = Duration::from_secs(30);
+
+/// Time until the next connection is accepted after the operating system refused one, for instance for too many open files.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// Longest time for pending requests after Ctrl-C.
 const SHUTDOWN_TIME: Duration = Duration::from_secs(3);
@@ -126,19 +138,83 @@ impl Server {
         let served = runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             let router = router::router(state, address.port());
-            let (shutdown, requested) = tokio::sync::oneshot::channel::<()>();
-            let serve = axum::serve(listener, router).with_graceful_shutdown(async {
-                let _ = requested.await;
-            });
-            let serving = tokio::spawn(serve.into_future());
+            let connections = Arc::new(GracefulShutdown::new());
+            let accepting =
+                tokio::spawn(accept(listener, router, HEADER_TIME, Arc::clone(&connections)));
             interrupted.await.map_err(io::Error::other)??;
             work.stop();
-            let _ = shutdown.send(());
-            // Connections that are still open are closed.
-            let _ = tokio::time::timeout(SHUTDOWN_TIME, serving).await;
+            accepting.abort();
+            let _ = accepting.await;
+            if let Some(connections) = Arc::into_inner(connections) {
+                // Connections that are still open then are closed.
+                let _ = tokio::time::timeout(SHUTDOWN_TIME, connections.shutdown()).await;
+            }
             Ok(())
         });
         runtime.shutdown_timeout(SHUTDOWN_TIME);
         served
+    }
+}
+
+/// Accepts connections and serves each, without end.
+///
+/// # Arguments
+/// * `header_time` – longest time until the headers of a request have arrived, see [`HEADER_TIME`]
+async fn accept(
+    listener: tokio::net::TcpListener,
+    router: Router,
+    header_time: Duration,
+    connections: Arc<GracefulShutdown>,
+) {
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(header_time);
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(ACCEPT_PAUSE).await;
+            continue;
+        };
+        let service = TowerToHyperService::new(router.clone());
+        let connection = http.serve_connection(TokioIo::new(stream), service);
+        let connection = connections.watch(connection);
+        tokio::spawn(async move {
+            // What ends a connection concerns its client alone.
+            let _ = connection.await;
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+    use tokio::net::{TcpListener, TcpStream};
+
+    use super::*;
+
+    /// Bytes that a client receives until the server closes the connection.
+    async fn received(address: SocketAddr, sent: &[&[u8]]) -> String {
+        let mut stream = TcpStream::connect(address).await.unwrap();
+        for part in sent {
+            stream.write_all(part).await.unwrap();
+        }
+        let mut bytes = Vec::new();
+        let _ = stream.read_to_end(&mut bytes).await;
+        String::from_utf8(bytes).unwrap()
+    }
+
+    #[tokio::test]
+    async fn connections_without_a_whole_request_are_closed() {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await.unwrap();
+        let address = listener.local_addr().unwrap();
+        let router = Router::new().route("/", axum::routing::get(async || "whole"));
+        let connections = Arc::new(GracefulShutdown::new());
+        let serving = accept(listener, router, Duration::from_millis(200), connections);
+        let serving = tokio::spawn(serving);
+        // Without end before: each of them would wait for ever.
+        for sent in [&[][..], &[&b"GET / HTTP/1.1\r\nHost: a"[..]], &[&b"G"[..], b"ET"]] {
+            assert!(!received(address, sent).await.contains("whole"));
+        }
+        let whole = received(address, &[b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"]).await;
+        assert!(whole.ends_with("whole"), "{whole}");
+        serving.abort();
     }
 }
