@@ -4,7 +4,6 @@ import json
 import os
 from pathlib import Path
 
-FLAGS = ["-O3", "-march=native"]
 MATH = ["-fno-math-errno", "-ffast-math"]
 # Supported answers of sources that do not support all of them.
 ANSWERS = {"loop.c": ["x"], "casadi.c": ["x", "least"]}
@@ -18,8 +17,9 @@ HAND = [
 ]
 
 
-def build(build_folder, peers, python, run, reason):
+def build(build_folder, march, peers, python, run, reason):
     """Builds the kernels, and lists them in closed.json; returns the failed builds with their reasons."""
+    optimised = ["-O3", march]
     out = build_folder / "closed"
     out.mkdir(exist_ok=True)
     kernels, missing = list(HAND), {}
@@ -44,12 +44,12 @@ def build(build_folder, peers, python, run, reason):
                 lanes = "".join(word.removeprefix("-DLANES=") for word in defined if "LANES" in word)
                 binary = out / f"{name}{lanes}-{Path(compiler).name}{math}"
                 if not binary.exists() or binary.stat().st_mtime < newest:
-                    done = compile_one(run, compiler, [*FLAGS, math, *defined], peers, source, binary)
+                    done = compile_one(run, compiler, [*optimised, math, *defined], peers, source, binary)
                     if done.returncode != 0:
                         missing[f"C, {binary.name}"] = reason(done)
                         continue
                 used = [word for word in defined if "GENERATED" not in word]
-                flags = " ".join([*FLAGS, math, *used])
+                flags = " ".join([*optimised, math, *used])
                 answers = ANSWERS.get(source, ["x", "pose", "least"])
                 facts = {"kernel": name, "compiler": version, "flags": flags, "answers": answers}
                 built.append({**facts, "binary": str(binary)})

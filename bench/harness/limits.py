@@ -13,11 +13,11 @@ ARITHMETIC = re.compile(r"v?(add|sub|mul|div|sqrt|rcp14|rsqrt14|fn?m(?:add|sub|a
 LANES = {"zmm": 8, "ymm": 4, "xmm": 2}
 
 
-def build(out, run, reason):
+def build(out, march, run, reason):
     """Compiles the two helper programs; returns the failed builds with their reasons."""
     missing = {}
     for name, compiler, flags in (
-        ("machine.cpp", "c++", ["-O3", "-march=native", "-std=c++17"]),
+        ("machine.cpp", "c++", ["-O3", march, "-std=c++17"]),
         ("steps.c", "cc", ["-O2", "-w"]),
     ):
         done = run([compiler, *flags, HERE / name, "-o", out / Path(name).stem])

@@ -27,8 +27,12 @@ inline Vector root(Vector a) { return _mm_sqrt_pd(a); }
 #endif
 
 constexpr int LANES = sizeof(Vector) / sizeof(double);
-// Exceeds the latency of an FMA times the number of FMA units.
+// Exceeds the latency of an FMA times the number of FMA units, and leaves registers for its other operands: without AVX-512 there are 16 in all.
+#if defined(__AVX512F__)
 constexpr int CHAINS = 16;
+#else
+constexpr int CHAINS = 12;
+#endif
 constexpr long STEPS = 100000;
 
 // Evaluates independent chains of operations; their sum prevents the compiler from removing them.

@@ -27,7 +27,7 @@ NOTES = {
         "*jointplay* prepares the robot once, by `PoseSolver::new`, which is not counted: the virtual joints as polynomials of the slopes of the plane through the balls, and the first step of the iteration. *One by one*: `PoseSolver::virtual_joints`, and with pose `PoseSolver::forward`, by the polynomials; *bulk*: `PoseSolver::forward_many`, by the polynomials too, whose pose is origin, normal and torsion. Each pose is checked by its sides.",
         "*C, vectors over poses*: 8 or 16 poses in vectors of the compiler, or a loop without branches under `#pragma omp simd`. *C, by hand*: pose by pose. Both use the law of cosines, series for the sines of small angles, a first step computed once for all poses, and one division for a 3×3 system. *C, textbook* omits the series and the first step.",
         "*Numba*, *JAX*, *NumPy* use the same formulas, Numba and JAX the same series; *CasADi* derives them and generates C, which is compiled like the rest.",
-        "Each kernel in C is built with each installed compiler, with `-O3 -march=native`, with and without `-ffast-math`; the fastest counts, and all are listed below.",
+        "Each kernel in C is built with each installed compiler, with `-O3` for the processor, with and without `-ffast-math`; the fastest counts, and all are listed below.",
     ],
     "least": [
         "*SciPy*, *Drake, SNOPT* and *CasADi* receive the problem in millimetres, with derivatives, and tolerances with which every side is within 10⁻⁹ mm.",
@@ -167,7 +167,7 @@ def tried(work):
     rows = {}
     for one in work["kernels_tried"]:
         rate = quantity(work["poses"] / one["cpu_s"])
-        flags = one["flags"].removeprefix("-O3 -march=native ")
+        flags = one["flags"].removeprefix("-O3 ")
         row = rows.setdefault((one["kernel"], one["compiler"], flags), {})
         row[one["what"]] = f"**{rate}**" if one["taken"] else rate
     lines = [
