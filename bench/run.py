@@ -57,8 +57,10 @@ class Processor:
 
     def copy_sources(self):
         """Copies the files of the repository that git knows, without what is for AVX-512."""
-        listed = run(["git", "ls-files"], cwd=HERE.parent).stdout.splitlines()
-        for name in listed:
+        listed = run(["git", "ls-files"], cwd=HERE.parent)
+        if listed.returncode != 0:
+            sys.exit(f"--avx2 needs a clone of the repository and git:\n{listed.stderr}")
+        for name in listed.stdout.splitlines():
             copy = self.sources / name
             copy.parent.mkdir(parents=True, exist_ok=True)
             text = (HERE.parent / name).read_bytes()

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use jointplay_cell::check::{CheckOptions, ViolationKind, check};
 use jointplay_cell::program::{Path, ProgramProblem, expand};
-use jointplay_cell::robot::RODS;
+use jointplay_cell::robot::{KinematicLimits, RODS};
 use jointplay_cell::station::LineRemedy;
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
@@ -62,6 +62,33 @@ fn every_robot_of_the_catalogue_runs_a_lot_without_violating_a_limit() {
             let report =
                 check(&cell, &trajectory, &CheckOptions { rate: 200.0, report_distance: 0.0 });
             assert!(report.violations.is_empty(), "{robot} {retract_mm}: {:?}", report.violations);
+        }
+    }
+}
+
+/// What the collision check assumes of the motion between two samples.
+#[test]
+fn velocities_and_accelerations_keep_their_limits_at_any_time() {
+    for robot in names() {
+        for retract_mm in [10.0, 250.0] {
+            let cell = small_cell(robot, &stations(700.0, retract_mm), 1);
+            let trajectory = planned(&cell, &format!("BLEND 50 mm{LOT}")).unwrap();
+            let mut steps = 0..trajectory.steps.len();
+            assert!(steps.any(|step| trajectory.blend(step).is_some()), "{robot}");
+            let mut largest = [0.0_f64; 2];
+            // Multiples of the golden ratio are spread evenly, and are no times of a grid.
+            for k in 0..20_000 {
+                let share = (f64::from(k) * 0.618_033_988_749_895).fract();
+                let at = trajectory.sample_at(share * trajectory.duration());
+                for (axis, limits) in cell.robot.axes.iter().enumerate() {
+                    let most =
+                        |of: fn(&KinematicLimits) -> f64| of(&limits.empty).max(of(&limits.loaded));
+                    let velocity = at.velocities[axis].abs() / most(|one| one.velocity);
+                    let acceleration = at.accelerations[axis].abs() / most(|one| one.acceleration);
+                    largest = [largest[0].max(velocity), largest[1].max(acceleration)];
+                }
+            }
+            assert!(largest.iter().all(|ratio| *ratio < 1.001), "{robot}: {largest:?}");
         }
     }
 }

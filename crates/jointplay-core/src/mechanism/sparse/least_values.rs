@@ -106,8 +106,7 @@ impl Linear {
             });
             let has_all = first < block;
             if !has_all || is_first_settled || batches == BATCHES || is_whole {
-                let found = if hidden > 0 { self.purified(found, largest)? } else { found };
-                let LeastVectors { values, twists: vectors, .. } = found;
+                let LeastVectors { values, twists: vectors, .. } = self.purified(found, largest)?;
                 let zeros = values.iter().filter(counts_as_zero).count();
                 let is_settled = has_all && (zeros < hidden || is_first_settled);
                 return Ok((Spectrum { values, vectors, zeros, largest }, is_settled));
@@ -126,6 +125,9 @@ impl Linear {
         let is_round_off = |value: f64| value <= ROUND_OFF_VALUE * largest;
         for _ in 0..MAX_PURIFICATIONS {
             let hidden = self.hidden(&found);
+            if hidden == 0 {
+                break;
+            }
             // N⁻¹ δ² x, but from J x itself, which loses nothing.
             let violations = found.violations.column_iter().take(hidden);
             let gradients: Vec<_> = violations
