@@ -44,7 +44,7 @@ test('a robot is seen where its host moves it', async () => {
   await until('the host is listed', async () => (await text('controller-command')) === 'At rest');
   host.write('MOVE RA 900\nGET LP1 3 A\n');
   await until('the robot moves', async () => (await text('controller-command')) === 'GET LP1 3 A' && (await elapsed()) > 0);
-  await expect.poll(() => text('controller-events')).toContain('GET LP1 3 A: Accepted, 4.035 s');
+  await expect.poll(() => text('controller-events')).toContain('GET LP1 3 A: Accepted, 4.032 s');
   await expect.poll(() => text('controller-events')).toMatch(/MOVE RA 900: Refused \(unreachable\): .*axis RA at 900/);
   // The view has the frames of the host: the arm turns.
   const origin = () => page.evaluate(() => (window as unknown as { jointplay: { probe: { cell: { origin(name: string): number[] | null } } } }).jointplay.probe.cell.origin('upper link 2'));
@@ -52,7 +52,7 @@ test('a robot is seen where its host moves it', async () => {
   await until('the arm moves in the view', async () => JSON.stringify(await origin()) !== JSON.stringify(before));
   await until('the wafer is picked', async () => /Effector A\s+wafer/.test(await text('controller-axes')));
   await until('the motion has ended', async () => /GET LP1 3 A: Completed/.test(await text('controller-events')));
-  expect(answers).toContain('COMPLETED 4.035 GET LP1 3 A');
+  expect(answers).toContain('COMPLETED 4.032 GET LP1 3 A');
   await expect.poll(() => accessibilityViolations(page)).toEqual([]);
   if (process.env.PICTURES) await page.screenshot({ path: `${process.env.PICTURES}/controller.png` });
   await page.getByTestId('controlled').getByRole('button', { name: 'Return to program' }).click();

@@ -6,6 +6,7 @@ mod check;
 mod common;
 mod compensation;
 mod inverse;
+mod raised_steps;
 mod reach;
 mod remedies;
 mod schedule;

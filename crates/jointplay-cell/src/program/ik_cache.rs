@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use super::posture_choice::Visit;
 use crate::incremental::{CacheKey, CacheStats, GenerationalCache};
-use crate::robot::{EffectorId, HybridRobot, PostureChange, Redundancy, WaferTarget};
+use crate::robot::{
+    EffectorId, HybridRobot, PostureChange, Redundancy, WaferTarget, round_positions,
+};
 use crate::station::{InfeasibleLine, PostureOptions, SlotId, Station, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
@@ -113,7 +115,7 @@ impl IkCache {
         waypoints
     }
 
-    /// As [`Cell::compensated_inverse_by`], the positions alone.
+    /// As [`Cell::compensated_inverse_by`], the positions alone, rounded to the resolution.
     pub(super) fn positions(
         &mut self,
         cell: &Cell,
@@ -128,7 +130,9 @@ impl IkCache {
         inputs.add(&target.center).add(&target.normal).add(&target.heading).add(seed);
         let reach = || {
             let found = cell.compensated_inverse_by(effector, target, loaded, seed, redundancy);
-            found.map(|found| found.positions)
+            let mut positions = found?.positions;
+            round_positions(&mut positions, seed);
+            Ok(positions)
         };
         self.ik_solutions.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
     }

@@ -12,6 +12,7 @@
 //! | `reach` | range of distances that an effector reaches |
 //! | `inverse` | axis positions for the plane, centre and heading of a wafer |
 //! | `positions` | positions of all axes without allocation |
+//! | `resolution` | rounded positions, whose rods have exact differences |
 //! | `rotation_about_z` | rotations about z |
 //!
 //! Bodies are rigid here; [`wafer`](crate::wafer) adds droop and sag.
@@ -26,6 +27,7 @@ mod jacobian;
 mod model;
 mod positions;
 mod reach;
+mod resolution;
 mod rotation_about_z;
 mod validate;
 
@@ -45,4 +47,5 @@ pub(crate) use inverse::{PlanarPath, PostureCandidate, PostureChange};
 pub use jacobian::EffectorJacobian;
 pub use model::PlatformModel;
 pub use positions::Positions;
+pub(crate) use resolution::{RodMultiples, round_positions, round_rods};
 pub use validate::RobotPart;

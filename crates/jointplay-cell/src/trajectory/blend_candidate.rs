@@ -7,6 +7,7 @@ use super::blend::Blend;
 use super::limits::scaled_axis_limits;
 use super::profile::AxisState;
 use super::segment::Segment;
+use super::segment_motion::SegmentMotion;
 use crate::geometry::{Collider, PlacedCollider, signed_distance};
 use crate::program::{Phase, Step};
 use crate::robot::{ArmChain, AxesMotion, KinematicLimits, Positions, RODS};
@@ -64,14 +65,14 @@ impl<'a> BlendCandidate<'a> {
         let may_blend = |step: &Step, segment: &Segment| {
             step.handoff.is_none()
                 && !matches!(step.phase, Phase::Lift | Phase::Lower | Phase::Wait)
-                && !matches!(segment, Segment::Dwell { .. })
+                && !matches!(**segment.motion, SegmentMotion::Dwell { .. })
         };
         let both = may_blend(steps[0], segments[0]) && may_blend(steps[1], segments[1]);
         if !(both && radius > 0.0 && steps[0].loaded == steps[1].loaded) {
             return None;
         }
         let robot = &conditions.cell.robot;
-        let moves = |axis: &usize| (0..2).any(|k| segments[k].moves(steps[k], *axis));
+        let moves = |axis: &usize| (0..2).any(|k| segments[k].motion.moves(steps[k], *axis));
         let moving: Vec<usize> = (0..robot.axes.len()).filter(moves).collect();
         let limits = steps
             .map(|step| moving.iter().map(|&axis| scaled_axis_limits(robot, axis, step)).collect());
@@ -114,7 +115,7 @@ impl<'a> BlendCandidate<'a> {
         let superposed = SuperposedSegments {
             candidate: self,
             segments,
-            discontinuities: segments.map(Segment::jerk_discontinuities),
+            discontinuities: segments.map(|segment| segment.motion.jerk_discontinuities()),
         };
         let longest = max_overlap(segments.map(Segment::duration));
         if let Some(deviation) = superposed.path_deviation(longest) {

@@ -2,12 +2,11 @@
 
 use std::convert::Infallible;
 use std::ops::Range;
-use std::sync::Arc;
 
 use super::blend::Blend;
 use super::blend_candidate::{BlendCandidate, BlendConditions};
 use super::segment::Segment;
-use super::segment_key::segment_key;
+use super::segment_motion::SegmentMotion;
 use crate::geometry::{Collider, ColliderCache};
 use crate::incremental::{
     CacheKey, GenerationalCache, Interrupted, JobContext, WithId, compute_missing,
@@ -20,28 +19,23 @@ use crate::workcell::{Cell, Zone, ZoneRule};
 pub(super) struct BlendPlanner {
     /// Time scales of both segments at a corner.
     slowdowns: GenerationalCache<f64>,
-    slowed: GenerationalCache<WithId<Segment>>,
+    slowed: GenerationalCache<WithId<SegmentMotion>>,
     blends: GenerationalCache<Option<Blend>>,
     solids: ColliderCache,
     /// Zones in which the centres of wafers have to stay while the robot turns.
     safe_zones: Vec<Collider>,
 }
 
-/// Steps with their segments, and the time scales by which the segments were slowed.
+/// Steps with their segments.
 #[derive(Clone, Copy)]
-pub(super) struct SlowedSegments<'a> {
+pub(super) struct StepSegments<'a> {
     pub(super) steps: &'a [Step],
-    pub(super) segments: &'a [Arc<WithId<Segment>>],
-    pub(super) factors: &'a [f64],
+    pub(super) segments: &'a [Segment],
 }
 
-impl<'a> SlowedSegments<'a> {
+impl<'a> StepSegments<'a> {
     fn range(self, range: Range<usize>) -> Self {
-        Self {
-            steps: &self.steps[range.clone()],
-            segments: &self.segments[range.clone()],
-            factors: &self.factors[range],
-        }
+        Self { steps: &self.steps[range.clone()], segments: &self.segments[range] }
     }
 
     /// The candidate of a step and the next.
@@ -60,9 +54,8 @@ impl<'a> SlowedSegments<'a> {
     /// Cache key of the blend of a step with the next.
     fn key(self, first: usize) -> CacheKey {
         let mut key = CacheKey::default();
-        for index in [first, first + 1] {
-            key.add(&segment_key(&self.steps[index]));
-            key.add(&self.factors[index]).add(&self.steps[index].blend_radius);
+        for (step, segment) in self.steps.iter().zip(self.segments).skip(first).take(2) {
+            key.add(segment).add(&step.blend_radius).add(&step.phase.is_in_safe_zones());
         }
         key
     }
@@ -92,28 +85,27 @@ impl BlendPlanner {
         self.solids.end();
     }
 
-    /// Slows segments where longer blends save more time than the slowdown costs; returns the time scale of each segment.
+    /// Slows segments where longer blends save more time than the slowdown costs.
     pub(super) fn slow(
         &mut self,
         cell: &Cell,
         steps: &[Step],
-        segments: &mut [Arc<WithId<Segment>>],
+        segments: &mut [Segment],
         context: JobContext<'_>,
-    ) -> Result<Vec<f64>, Interrupted> {
+    ) -> Result<(), Interrupted> {
         let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
-        let at_full_speed = vec![1.0_f64; steps.len()];
-        let original = SlowedSegments { steps, segments, factors: &at_full_speed };
+        let original = StepSegments { steps, segments };
         let corners: Vec<usize> = (0..steps.len().saturating_sub(1))
             .filter(|&first| original.candidate(conditions, first).is_some())
             .collect();
-        let keys = |of: SlowedSegments<'_>| -> Vec<(usize, CacheKey)> {
+        let keys = |of: StepSegments<'_>| -> Vec<(usize, CacheKey)> {
             corners.iter().map(|&first| (first, of.key(first))).collect()
         };
         let original_keys = keys(original);
         compute_missing_corners(&mut self.slowdowns, &original_keys, context, |first| {
             original.candidate(conditions, first).map_or(1.0, |one| one.best_slowdown())
         })?;
-        let mut factors = at_full_speed.clone();
+        let mut factors = vec![1.0_f64; steps.len()];
         for (first, key) in &original_keys {
             let Ok(factor) = self.slowdowns.get_or_compute::<Infallible>(key.clone(), || Ok(1.0));
             // A segment has two corners: the larger factor serves both.
@@ -121,16 +113,15 @@ impl BlendPlanner {
                 *factor_of = factor_of.max(*factor);
             }
         }
-        let slowed: Vec<Arc<WithId<Segment>>> = (0..steps.len())
-            .map(|k| slow_segment(&mut self.slowed, &steps[k], &segments[k], factors[k]))
+        let slowed: Vec<Segment> = (segments.iter().zip(&factors))
+            .map(|(segment, factor)| slow_segment(&mut self.slowed, segment, *factor))
             .collect();
-        let slow = SlowedSegments { steps, segments: &slowed, factors: &factors };
+        let slow = StepSegments { steps, segments: &slowed };
         for (of, keys) in [(original, original_keys), (slow, keys(slow))] {
             let blend = |first| of.candidate(conditions, first).and_then(|one| one.blend());
             compute_missing_corners(&mut self.blends, &keys, context, blend)?;
         }
         // Each corner proposes a factor by itself; the factors of a run of blended steps are applied only if they shorten the whole run, from rest to rest.
-        let mut chosen = vec![1.0; steps.len()];
         let mut start = 0;
         for end in 0..steps.len() {
             if corners.binary_search(&end).is_ok() {
@@ -141,19 +132,18 @@ impl BlendPlanner {
             if factors[blended.clone()].iter().all(|&factor| factor == 1.0) {
                 continue;
             }
-            let original = SlowedSegments { steps, segments, factors: &at_full_speed };
+            let original = StepSegments { steps, segments };
             let fast = self.duration(cell, original.range(blended.clone()));
-            let slow = SlowedSegments { steps, segments: &slowed, factors: &factors };
+            let slow = StepSegments { steps, segments: &slowed };
             if self.duration(cell, slow.range(blended.clone())) < fast {
-                segments[blended.clone()].clone_from_slice(&slowed[blended.clone()]);
-                chosen[blended.clone()].copy_from_slice(&factors[blended]);
+                segments[blended.clone()].clone_from_slice(&slowed[blended]);
             }
         }
-        Ok(chosen)
+        Ok(())
     }
 
     /// Duration of blended steps from rest to rest (s).
-    fn duration(&mut self, cell: &Cell, slowed: SlowedSegments<'_>) -> f64 {
+    fn duration(&mut self, cell: &Cell, slowed: StepSegments<'_>) -> f64 {
         let corners = 0..slowed.steps.len() - 1;
         let blends: Vec<Option<Blend>> =
             corners.map(|first| self.blend(cell, slowed, first)).collect();
@@ -165,7 +155,7 @@ impl BlendPlanner {
     pub(super) fn blend(
         &mut self,
         cell: &Cell,
-        slowed: SlowedSegments<'_>,
+        slowed: StepSegments<'_>,
         first: usize,
     ) -> Option<Blend> {
         let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
@@ -178,19 +168,17 @@ impl BlendPlanner {
 
 /// A segment slowed by a time scale.
 fn slow_segment(
-    cache: &mut GenerationalCache<WithId<Segment>>,
-    step: &Step,
-    segment: &Arc<WithId<Segment>>,
+    cache: &mut GenerationalCache<WithId<SegmentMotion>>,
+    segment: &Segment,
     factor: f64,
-) -> Arc<WithId<Segment>> {
+) -> Segment {
     if factor == 1.0 {
-        return Arc::clone(segment);
+        return segment.clone();
     }
-    let mut key = segment_key(step);
-    key.add(&factor);
-    let Ok(slowed) =
-        cache.get_or_compute::<Infallible>(key, || Ok(WithId::new(segment.slowed(factor))));
-    slowed
+    let key = CacheKey::default().with(&*segment.motion).with(&factor);
+    let slow = || Ok(WithId::new(segment.motion.slowed(factor)));
+    let Ok(slowed) = cache.get_or_compute::<Infallible>(key, slow);
+    segment.with(slowed)
 }
 
 /// Computes the results of corners that are not in the cache.

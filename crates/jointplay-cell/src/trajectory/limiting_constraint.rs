@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::limits::scaled_axis_limits;
 use super::segment::Segment;
+use super::segment_motion::SegmentMotion;
 use super::slip::utilization;
 use super::trajectory::Trajectory;
 use crate::program::Step;
@@ -53,33 +54,37 @@ impl Trajectory {
     pub fn limiting_constraints(&self, cell: &Cell) -> Vec<Option<LimitingConstraint>> {
         let mut known = BTreeMap::new();
         let steps = self.steps.iter().zip(&self.segments);
-        let constraint = |(step, segment): (&Step, &std::sync::Arc<_>)| {
-            let segment: &crate::incremental::WithId<Segment> = segment;
+        let constraint = |(step, Segment { motion, .. }): (&Step, &Segment)| {
+            // Neither limits nor friction depend on the height of the rods.
             *known
-                .entry(segment.identity())
-                .or_insert_with(|| limiting_constraint(cell, step, segment))
+                .entry(motion.identity())
+                .or_insert_with(|| limiting_constraint(cell, step, motion))
         };
         steps.map(constraint).collect()
     }
 }
 
-/// The limiting constraint of a segment.
-fn limiting_constraint(cell: &Cell, step: &Step, segment: &Segment) -> Option<LimitingConstraint> {
-    most_frequent(segment, |time| {
-        axis_limit(cell, step, segment, time).or_else(|| friction_limit(cell, step, segment, time))
+/// The limiting constraint of a motion.
+fn limiting_constraint(
+    cell: &Cell,
+    step: &Step,
+    motion: &SegmentMotion,
+) -> Option<LimitingConstraint> {
+    most_frequent(motion, |time| {
+        axis_limit(cell, step, motion, time).or_else(|| friction_limit(cell, step, motion, time))
     })
 }
 
 /// The limit that binds at most of the sampled times.
 fn most_frequent(
-    segment: &Segment,
+    motion: &SegmentMotion,
     binding: impl Fn(f64) -> Option<MotionLimit>,
 ) -> Option<LimitingConstraint> {
     let mut all: BTreeMap<MotionLimit, Binding> = BTreeMap::new();
     for k in 0..SAMPLES {
-        let time = segment.duration() * (k as f64 + 0.5) / SAMPLES as f64;
+        let time = motion.duration() * (k as f64 + 0.5) / SAMPLES as f64;
         let Some(limit) = binding(time) else { continue };
-        let fraction = segment.path_fraction(time);
+        let fraction = motion.path_fraction(time);
         let new = Binding { count: 0, path_fractions: [fraction; 2] };
         let one = all.entry(limit).or_insert(new);
         one.count += 1;
@@ -92,29 +97,34 @@ fn most_frequent(
 }
 
 /// The limit of an axis, or the prescribed speed, that is used most at a time, if it binds.
-fn axis_limit(cell: &Cell, step: &Step, segment: &Segment, time: f64) -> Option<MotionLimit> {
+fn axis_limit(cell: &Cell, step: &Step, motion: &SegmentMotion, time: f64) -> Option<MotionLimit> {
     let mut most = (BINDING_FRACTION, None);
     let mut compare = |fraction: f64, limit: MotionLimit| {
         if fraction >= most.0 {
             most = (fraction, Some(limit));
         }
     };
-    for axis in (0..step.from.len()).filter(|&axis| segment.moves(step, axis)) {
+    for axis in (0..step.from.len()).filter(|&axis| motion.moves(step, axis)) {
         let limits = scaled_axis_limits(&cell.robot, axis, step);
-        let [_, velocity, acceleration, jerk] = segment.state(step, axis, time);
+        let [_, velocity, acceleration, jerk] = motion.state(step, axis, time);
         compare(jerk.abs() / limits.jerk, MotionLimit::Jerk(axis));
         compare(acceleration.abs() / limits.acceleration, MotionLimit::Acceleration(axis));
         compare(velocity.abs() / limits.velocity, MotionLimit::Velocity(axis));
     }
-    if let (Segment::Line { path, parameter }, Some(speed)) = (segment, step.line_speed) {
+    if let (SegmentMotion::Line { path, parameter }, Some(speed)) = (motion, step.line_speed) {
         compare(parameter.state(time)[1] * path.length / speed, MotionLimit::LineSpeed);
     }
     most.1
 }
 
 /// The effector whose wafer needs most of its friction at a time, if it binds.
-fn friction_limit(cell: &Cell, step: &Step, segment: &Segment, time: f64) -> Option<MotionLimit> {
-    let fractions = step.loaded.iter().map(|&id| (utilization(cell, step, segment, id, time), id));
+fn friction_limit(
+    cell: &Cell,
+    step: &Step,
+    motion: &SegmentMotion,
+    time: f64,
+) -> Option<MotionLimit> {
+    let fractions = step.loaded.iter().map(|&id| (utilization(cell, step, motion, id, time), id));
     let most = fractions.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (most.0 >= BINDING_FRACTION).then_some(MotionLimit::Friction(most.1))
 }

@@ -17,7 +17,8 @@
 //! | `squared_rate`, `rate_constraints`, `rate_search` | the fastest parameterization of a path: variables, constraints, interior-point method |
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
 //! | `slip` | slowdown of segments on which a wafer would slip |
-//! | `segment` | motion of all axes in one step |
+//! | `lift` | steps that differ by a common height of all rods |
+//! | `segment_motion`, `segment` | motion of all axes in one step: over a height of the rods, and at it |
 //! | `blend`, `trajectory` | segments and blends of all steps over time |
 //! | `sampler` | states of the moving axes of a step at many times |
 //! | `blend_candidate`, `blend_planner` | the longest overlap of two segments; the overlaps of all |
@@ -35,6 +36,7 @@ mod blend_planner;
 mod cartesian_path;
 mod error;
 mod joint_space_line;
+mod lift;
 mod limiting_constraint;
 mod limits;
 mod options;
@@ -46,6 +48,7 @@ mod sample;
 mod sampler;
 mod segment;
 mod segment_key;
+mod segment_motion;
 mod segment_planner;
 mod slip;
 mod spline;

@@ -101,16 +101,17 @@ impl<'a> RateSearch<'a> {
         Some(Self { coefficients, slacks, multipliers, signs, constraints })
     }
 
-    /// Iterates until the duration exceeds the least one by at most a fraction, for linearized constraints.
+    /// Iterates until the duration exceeds the least one by at most a fraction, for linearized constraints; once at least: a search may start with that fraction.
     pub(super) fn solve(&mut self, gap: f64) {
         let count = 2 * self.constraints.rows.len() + INTERVALS - 1 + COEFFICIENTS;
+        let mut products = self.products();
         for _ in 0..MAX_ITERATIONS {
-            let products = self.products();
-            if products < gap * duration(self.constraints.grid, &self.coefficients) {
-                return;
-            }
             let step = self.step(CENTERING * products / count as f64);
             if !self.apply(&step) {
+                return;
+            }
+            products = self.products();
+            if products < gap * duration(self.constraints.grid, &self.coefficients) {
                 return;
             }
         }

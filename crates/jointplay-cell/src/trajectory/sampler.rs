@@ -1,7 +1,7 @@
 //! States of the moving axes of a step at many times.
 
 use super::profile::AxisState;
-use super::segment::{Segment, derivatives_along_path};
+use super::segment_motion::{SegmentMotion, derivatives_along_path};
 use super::trajectory::Trajectory;
 
 /// States of the moving axes of a step at times in growing order.
@@ -23,7 +23,8 @@ impl AxisSampler {
     /// # Arguments
     /// * `times` – since the start of the step, in growing order (s)
     pub(crate) fn sample_step(&mut self, trajectory: &Trajectory, index: usize, times: &[f64]) {
-        let (step, segment) = (&trajectory.steps[index], &**trajectory.segments[index]);
+        let (step, segment) = (&trajectory.steps[index], &trajectory.segments[index]);
+        let motion = &**segment.motion;
         self.moving = trajectory.moving_axes(index);
         if self.states.len() < self.moving.len() {
             self.states.resize_with(self.moving.len(), Vec::new);
@@ -31,7 +32,7 @@ impl AxisSampler {
         let overlaps = trajectory.half_overlaps(index);
         let duration = segment.duration();
         let in_segment = |time_in_step: f64| (time_in_step + overlaps.previous).max(0.0);
-        if let Segment::Line { path, parameter } = segment {
+        if let SegmentMotion::Line { path, parameter } = motion {
             let mut state = parameter.states_in_order();
             let mut interval = path.spline.intervals_in_order();
             self.along.clear();
@@ -44,21 +45,29 @@ impl AxisSampler {
             states.clear();
             let end = [step.to[axis], 0.0, 0.0, 0.0];
             let ended = |time_in_step: f64| in_segment(time_in_step) >= duration;
-            match segment {
-                Segment::Dwell { .. } => states.extend(times.iter().map(|_| end)),
-                Segment::PointToPoint(profile) => {
+            let lift = segment.lift_of(axis);
+            let lifted = |[position, velocity, acceleration, jerk]: AxisState| {
+                [position + lift, velocity, acceleration, jerk]
+            };
+            match motion {
+                SegmentMotion::Dwell { .. } => states.extend(times.iter().map(|_| end)),
+                SegmentMotion::PointToPoint(profile) => {
                     let mut in_order = profile.axes[axis].states_in_order();
                     let mut state = |time_in_step: f64| {
-                        if ended(time_in_step) { end } else { in_order(in_segment(time_in_step)) }
+                        if ended(time_in_step) {
+                            end
+                        } else {
+                            lifted(in_order(in_segment(time_in_step)))
+                        }
                     };
                     states.extend(times.iter().map(|&time_in_step| state(time_in_step)));
                 }
-                Segment::Line { path, .. } => {
+                SegmentMotion::Line { path, .. } => {
                     let state = |time_in_step: f64, &(interval, along): &(usize, AxisState)| {
                         if ended(time_in_step) {
                             end
                         } else {
-                            derivatives_along_path(path, interval, axis, along)
+                            lifted(derivatives_along_path(path, interval, axis, along))
                         }
                     };
                     let along = times.iter().zip(&self.along);

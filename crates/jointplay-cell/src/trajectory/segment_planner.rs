@@ -3,14 +3,18 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use nalgebra::Vector3;
+
 use super::blend::Blend;
-use super::blend_planner::{BlendPlanner, SlowedSegments};
-use super::cartesian_path::{CartesianLine, CartesianPath, PostureSpline};
+use super::blend_planner::{BlendPlanner, StepSegments};
+use super::cartesian_path::{CartesianLine, CartesianPath, PathError, PostureSpline};
 use super::error::{StepError, StepErrorKind, TrajectoryError};
+use super::lift::LoweredStep;
 use super::limits::{axis_moves_effector, scaled_axis_limits};
 use super::options::TrajectoryOptions;
 use super::segment::Segment;
-use super::segment_key::{moves, segment_key, shared_key};
+use super::segment_key::{moves, shared_key};
+use super::segment_motion::SegmentMotion;
 use super::slip::{friction_constraints, without_slip};
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
@@ -46,7 +50,7 @@ pub fn plan_trajectory(
 /// Segments and blends of the last trajectory, by what they depend on.
 #[derive(Default)]
 pub(crate) struct SegmentCache {
-    segments: GenerationalCache<WithId<Segment>>,
+    motions: GenerationalCache<WithId<SegmentMotion>>,
     blends: BlendPlanner,
 }
 
@@ -61,15 +65,11 @@ struct Errors<'a> {
 
 impl Errors<'_> {
     /// The segment of a step; the error is recorded, and a dwell without duration takes its place.
-    fn or_empty(
-        &mut self,
-        step: usize,
-        planned: Planned<Arc<WithId<Segment>>>,
-    ) -> Arc<WithId<Segment>> {
+    fn or_empty(&mut self, step: usize, planned: Planned<Segment>) -> Segment {
         planned.unwrap_or_else(|kind| {
             let Step { instruction, place, .. } = self.steps[step];
             self.found.push(StepError { step, instruction, place, kind });
-            Arc::new(WithId::new(Segment::Dwell { duration: 0.0 }))
+            Segment::dwell(0.0)
         })
     }
 }
@@ -90,13 +90,13 @@ impl SegmentCache {
         context: JobContext<'_>,
     ) -> Result<Result<Trajectory, TrajectoryError>, Interrupted> {
         let shared = shared_key(cell, options);
-        self.segments.begin(&shared);
+        self.motions.begin(&shared);
         self.blends.begin(cell, &shared);
         let mut errors = Errors { steps: &steps, found: Vec::new() };
         let mut segments = self.segments_of(cell, options, &mut errors, context)?;
-        let factors = self.blends.slow(cell, &steps, &mut segments, context)?;
-        let timeline = self.timeline(cell, &mut segments, &factors, &mut errors, context)?;
-        self.segments.end();
+        self.blends.slow(cell, &steps, &mut segments, context)?;
+        let timeline = self.timeline(cell, &mut segments, &mut errors, context)?;
+        self.motions.end();
         self.blends.end();
         let mut found = errors.found;
         found.sort_by_key(|error| error.step);
@@ -115,27 +115,31 @@ impl SegmentCache {
         options: &TrajectoryOptions,
         errors: &mut Errors<'_>,
         context: JobContext<'_>,
-    ) -> Result<Vec<Arc<WithId<Segment>>>, Interrupted> {
+    ) -> Result<Vec<Segment>, Interrupted> {
         let steps = errors.steps;
-        let keys: Vec<(usize, CacheKey)> = (0..steps.len())
+        let moving: BTreeMap<usize, LoweredStep> = (0..steps.len())
             .filter(|&index| moves(&steps[index]) && invalid(cell, steps, index).is_none())
-            .map(|index| (index, segment_key(&steps[index])))
+            .map(|index| (index, LoweredStep::new(&steps[index])))
             .collect();
-        let missing = keys.iter().map(|(index, key)| (*index, key));
-        let missing = missing.filter(|(_, key)| !self.segments.contains(key));
-        let mut computed =
-            compute_missing(missing, context, |index| plan_segment(cell, &steps[index], options))?;
+        let missing = moving.iter().map(|(index, lowered)| (*index, &lowered.key));
+        let missing = missing.filter(|(_, key)| !self.motions.contains(key));
+        let plan = |lowered: &LoweredStep| plan_motion(cell, lowered, options);
+        let mut computed = compute_missing(missing, context, |index| plan(&moving[&index]))?;
         let mut segments = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
-            let planned = match invalid(cell, steps, index) {
-                Some(error) => Err(error),
-                None if moves(step) => {
-                    self.moving_segment(step, &mut computed, || plan_segment(cell, step, options))
+            let planned = match (invalid(cell, steps, index), moving.get(&index)) {
+                (Some(error), _) => Err(error),
+                (None, Some(lowered)) => {
+                    // Errors are not cached: a second step like this one plans again and reports its own.
+                    let found = computed.remove(&lowered.key);
+                    let motion = || found.unwrap_or_else(|| plan(lowered)).map(WithId::new);
+                    let motion = self.motions.get_or_compute(lowered.key.clone(), motion);
+                    motion.map(|motion| Segment::lifted(motion, lowered.lift))
                 }
-                None => match step.path {
+                (None, None) => match step.path {
                     Path::Dwell(duration) => self.dwell(duration, step),
                     // The duration is known once the start times of all steps before are known.
-                    _ => Ok(Arc::new(WithId::new(Segment::Dwell { duration: 0.0 }))),
+                    _ => Ok(Segment::dwell(0.0)),
                 },
             };
             segments.push(errors.or_empty(index, planned));
@@ -143,31 +147,18 @@ impl SegmentCache {
         Ok(segments)
     }
 
-    /// The segment of a step that moves: cached, computed in advance, or planned now.
-    fn moving_segment(
-        &mut self,
-        step: &Step,
-        computed: &mut BTreeMap<CacheKey, Planned<Segment>>,
-        plan: impl FnOnce() -> Planned<Segment>,
-    ) -> Planned<Arc<WithId<Segment>>> {
-        let key = segment_key(step);
-        // Errors are not cached: a second step like this one plans again and reports its own.
-        let found = computed.remove(&key);
-        self.segments.get_or_compute(key, || found.unwrap_or_else(plan).map(WithId::new))
-    }
-
     /// A dwell, which depends on its duration alone.
-    fn dwell(&mut self, duration: f64, step: &Step) -> Planned<Arc<WithId<Segment>>> {
+    fn dwell(&mut self, duration: f64, step: &Step) -> Planned<Segment> {
         let inputs = CacheKey::default().with(&duration);
-        self.segments.get_or_compute(inputs, || plan_dwell(duration, step).map(WithId::new))
+        let plan = || plan_dwell(duration, step).map(WithId::new);
+        self.motions.get_or_compute(inputs, plan).map(|motion| Segment::lifted(motion, 0.0))
     }
 
     /// Determines the start times of all segments: blends neighbours, and determines the waits for processes.
     fn timeline(
         &mut self,
         cell: &Cell,
-        segments: &mut [Arc<WithId<Segment>>],
-        factors: &[f64],
+        segments: &mut [Segment],
         errors: &mut Errors<'_>,
         context: JobContext<'_>,
     ) -> Result<Timeline, Interrupted> {
@@ -192,7 +183,7 @@ impl SegmentCache {
                 };
                 segments[index] = errors.or_empty(index, planned);
             }
-            let slowed = SlowedSegments { steps, segments, factors };
+            let slowed = StepSegments { steps, segments };
             if let Some(before) = index.checked_sub(1)
                 && let Some(blend) = self.blends.blend(cell, slowed, before)
             {
@@ -217,7 +208,7 @@ impl SegmentCache {
 
     /// Cache statistics of the segments in the last trajectory.
     pub(crate) fn stats(&self) -> CacheStats {
-        self.segments.stats()
+        self.motions.stats()
     }
 }
 
@@ -241,40 +232,55 @@ fn invalid(cell: &Cell, steps: &[Step], index: usize) -> Option<StepErrorKind> {
     Some(StepErrorKind::NotContinuous { axis, start, previous_end })
 }
 
-fn plan_dwell(duration: f64, step: &Step) -> Planned<Segment> {
+fn plan_dwell(duration: f64, step: &Step) -> Planned<SegmentMotion> {
     if !(duration >= 0.0 && duration.is_finite()) {
         return Err(StepErrorKind::DwellDuration { duration });
     }
     if step.from != step.to {
         return Err(StepErrorKind::DwellMoves);
     }
-    Ok(Segment::Dwell { duration })
+    Ok(SegmentMotion::Dwell { duration })
 }
 
-/// The segment of a step that moves.
-fn plan_segment(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Planned<Segment> {
+/// The motion of a step over the height of its rods; places in errors are those of the step.
+fn plan_motion(
+    cell: &Cell,
+    lowered: &LoweredStep,
+    options: &TrajectoryOptions,
+) -> Planned<SegmentMotion> {
+    plan_step(cell, &lowered.step, options).map_err(|error| match error {
+        StepErrorKind::Path(PathError { fraction, position, kind }) => {
+            let position = position.map(|position| position + Vector3::z() * lowered.lift);
+            StepErrorKind::Path(PathError { fraction, position, kind })
+        }
+        error => error,
+    })
+}
+
+/// The motion of a step that moves.
+fn plan_step(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Planned<SegmentMotion> {
     match step.path {
-        Path::Line(_) if step.from == step.to => Ok(Segment::Dwell { duration: 0.0 }),
+        Path::Line(_) if step.from == step.to => Ok(SegmentMotion::Dwell { duration: 0.0 }),
         Path::Line(effector) => {
             parameterized_line(cell, step, follow_line(cell, step, effector, options)?)
         }
         _ => {
             let limits = |axis| scaled_axis_limits(&cell.robot, axis, step);
             let segment =
-                Segment::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?);
+                SegmentMotion::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?);
             Ok(without_slip(cell, step, segment, || joint_line_with_friction(cell, step)))
         }
     }
 }
 
 /// A step along its joint-space line, as fast as its axes and the friction of the wafers allow; `None` where no rate satisfies the constraints.
-fn joint_line_with_friction(cell: &Cell, step: &Step) -> Option<Segment> {
+fn joint_line_with_friction(cell: &Cell, step: &Step) -> Option<SegmentMotion> {
     let path = Arc::new(CartesianPath::joint_space_line(&step.from, &step.to));
     let limits = step_limits(cell, step);
     let constraints = |at: &AxesMotion<'_>| friction_constraints(cell, step, at);
     let parameter = TimeParameterization::new(&path.spline, &limits, f64::INFINITY)
         .plan_with_friction(&constraints)?;
-    Some(Segment::Line { path, parameter })
+    Some(SegmentMotion::Line { path, parameter })
 }
 
 /// Limits of all axes in a step.
@@ -284,7 +290,7 @@ fn step_limits(cell: &Cell, step: &Step) -> Vec<KinematicLimits> {
 }
 
 /// A line as fast as its axes, a prescribed speed and the friction of the wafers allow.
-fn parameterized_line(cell: &Cell, step: &Step, path: CartesianPath) -> Planned<Segment> {
+fn parameterized_line(cell: &Cell, step: &Step, path: CartesianPath) -> Planned<SegmentMotion> {
     let limits = step_limits(cell, step);
     let max_rate = match step.line_speed {
         Some(speed) if path.length > 0.0 => speed / path.length,
@@ -292,7 +298,7 @@ fn parameterized_line(cell: &Cell, step: &Step, path: CartesianPath) -> Planned<
     };
     let path = Arc::new(path);
     let parameterization = TimeParameterization::new(&path.spline, &limits, max_rate);
-    let line = |parameter| Segment::Line { path: Arc::clone(&path), parameter };
+    let line = |parameter| SegmentMotion::Line { path: Arc::clone(&path), parameter };
     Ok(without_slip(cell, step, line(parameterization.plan()?), || {
         let constraints = |at: &AxesMotion<'_>| friction_constraints(cell, step, at);
         parameterization.plan_with_friction(&constraints).map(line)

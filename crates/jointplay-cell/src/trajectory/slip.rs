@@ -1,6 +1,6 @@
 //! Segments on which no wafer slips: slower than the limits of the axes allow.
 
-use super::segment::Segment;
+use super::segment_motion::SegmentMotion;
 use crate::program::Step;
 use crate::robot::{AxesMotion, EffectorId};
 use crate::workcell::Cell;
@@ -27,15 +27,15 @@ const MAX_TIME_SCALE: f64 = 16.0;
 pub(super) fn without_slip(
     cell: &Cell,
     step: &Step,
-    segment: Segment,
-    search: impl FnOnce() -> Option<Segment>,
-) -> Segment {
-    if peak(cell, step, &segment, uniform(&segment, COARSE_INTERVALS)) < FINE_SAMPLING_THRESHOLD {
-        return segment;
+    motion: SegmentMotion,
+    search: impl FnOnce() -> Option<SegmentMotion>,
+) -> SegmentMotion {
+    if peak(cell, step, &motion, uniform(&motion, COARSE_INTERVALS)) < FINE_SAMPLING_THRESHOLD {
+        return motion;
     }
-    match slowed(cell, step, &segment) {
-        None => segment,
-        Some(kept) if kept.duration() == segment.duration() => kept,
+    match slowed(cell, step, &motion) {
+        None => motion,
+        Some(kept) if kept.duration() == motion.duration() => kept,
         Some(slow) => match search().and_then(|found| slowed(cell, step, &found)) {
             Some(found) if found.duration() < slow.duration() => found,
             _ => slow,
@@ -46,10 +46,10 @@ pub(super) fn without_slip(
 /// A segment, slowed as a whole until no wafer slips; `None` where no speed prevents slip.
 ///
 /// Accelerations are inversely proportional to the square of the time scale; gravity along a tilted wafer is not, so that two or three iterations are needed.
-fn slowed(cell: &Cell, step: &Step, segment: &Segment) -> Option<Segment> {
+fn slowed(cell: &Cell, step: &Step, motion: &SegmentMotion) -> Option<SegmentMotion> {
     let mut time_scale = 1.0;
     while time_scale <= MAX_TIME_SCALE {
-        let slowed = if time_scale > 1.0 { segment.slowed(time_scale) } else { segment.clone() };
+        let slowed = if time_scale > 1.0 { motion.slowed(time_scale) } else { motion.clone() };
         // Accelerations have their peaks where the jerk is discontinuous.
         let times = uniform(&slowed, FINE_INTERVALS).chain(slowed.jerk_discontinuities());
         let found = peak(cell, step, &slowed, times);
@@ -75,26 +75,26 @@ pub(super) fn friction_constraints(
 }
 
 /// Uniform times in a segment, from its start to its end (s).
-fn uniform(segment: &Segment, intervals: usize) -> impl Iterator<Item = f64> + use<> {
-    let duration = segment.duration();
+fn uniform(motion: &SegmentMotion, intervals: usize) -> impl Iterator<Item = f64> + use<> {
+    let duration = motion.duration();
     (0..=intervals).map(move |k| duration * k as f64 / intervals as f64)
 }
 
 /// Largest utilization of friction of the held wafers at times since the start of a segment (s).
-fn peak(cell: &Cell, step: &Step, segment: &Segment, times: impl Iterator<Item = f64>) -> f64 {
+fn peak(cell: &Cell, step: &Step, motion: &SegmentMotion, times: impl Iterator<Item = f64>) -> f64 {
     let samples = times.flat_map(|time| step.loaded.iter().map(move |&id| (id, time)));
-    samples.map(|(id, time)| utilization(cell, step, segment, id, time)).fold(0.0, f64::max)
+    samples.map(|(id, time)| utilization(cell, step, motion, id, time)).fold(0.0, f64::max)
 }
 
 /// Utilization of friction of a held wafer at a time since the start of a segment (s); 0 where the motion is unknown, which the check reports.
 pub(super) fn utilization(
     cell: &Cell,
     step: &Step,
-    segment: &Segment,
+    motion: &SegmentMotion,
     id: EffectorId,
     time: f64,
 ) -> f64 {
-    let states: Vec<_> = (0..step.from.len()).map(|axis| segment.state(step, axis, time)).collect();
+    let states: Vec<_> = (0..step.from.len()).map(|axis| motion.state(step, axis, time)).collect();
     let [positions, velocities, accelerations] =
         [0, 1, 2].map(|order| states.iter().map(|state| state[order]).collect::<Vec<f64>>());
     let motion = AxesMotion {

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hasher};
-use std::sync::Arc;
 
 use super::blend::Blend;
 use super::profile::hash_numbers;
 use super::sample::{Sample, UniformSampling};
 use super::segment::Segment;
-use crate::incremental::{CacheKey, WithId};
+use super::segment_motion::SegmentMotion;
+use crate::incremental::CacheKey;
 use crate::program::{Path, Step};
 
 /// Discontinuities of the jerk closer to each other than this are one: they differ by round-off (s).
@@ -22,7 +22,7 @@ pub struct Trajectory {
     /// Start time of each step, and the end time of the last; where a step is blended with the next, the middle of their overlap (s).
     pub times: Vec<f64>,
     /// Motion of all axes in each step.
-    pub(super) segments: Vec<Arc<WithId<Segment>>>,
+    pub(super) segments: Vec<Segment>,
     /// Blend of each step with the next.
     pub(super) blends: Vec<Option<Blend>>,
 }
@@ -77,7 +77,7 @@ impl Trajectory {
     /// Whether no axis moves in a step.
     #[must_use]
     pub fn is_dwell(&self, step: usize) -> bool {
-        matches!(**self.segments[step], Segment::Dwell { .. })
+        matches!(**self.segments[step].motion, SegmentMotion::Dwell { .. })
     }
 
     /// Whether an axis moves in any step.
@@ -96,7 +96,8 @@ impl Trajectory {
     #[must_use]
     pub fn moving_axes(&self, step: usize) -> Vec<usize> {
         let overlaps = self.half_overlaps(step);
-        let moves = |step: usize, axis: usize| self.segments[step].moves(&self.steps[step], axis);
+        let moves =
+            |step: usize, axis: usize| self.segments[step].motion.moves(&self.steps[step], axis);
         let any = |axis: &usize| {
             moves(step, *axis)
                 || (overlaps.previous > 0.0 && moves(step - 1, *axis))
@@ -108,8 +109,8 @@ impl Trajectory {
     /// Deviation of a step from its Cartesian line; `None` for steps that are not lines.
     #[must_use]
     pub fn line_deviation(&self, step: usize) -> Option<LineDeviation> {
-        match (&self.steps[step].path, &**self.segments[step]) {
-            (Path::Line(_), Segment::Line { path, .. }) => Some(LineDeviation {
+        match (&self.steps[step].path, &**self.segments[step].motion) {
+            (Path::Line(_), SegmentMotion::Line { path, .. }) => Some(LineDeviation {
                 length: path.length,
                 distance: path.deviation,
                 angle: path.plane_deviation,
@@ -121,8 +122,8 @@ impl Trajectory {
     /// Axis that determines the duration of a point-to-point step; `None` where no axis moves, where friction determines it, and for lines, whose axes are coupled.
     #[must_use]
     pub fn limiting_axis(&self, step: usize) -> Option<usize> {
-        match &**self.segments[step] {
-            Segment::PointToPoint(profile) => profile.limiting_axis,
+        match &**self.segments[step].motion {
+            SegmentMotion::PointToPoint(profile) => profile.limiting_axis,
             _ => None,
         }
     }
@@ -199,17 +200,17 @@ impl Trajectory {
         let overlaps = self.half_overlaps(step);
         let (segment, duration) = (&self.segments[step], self.intrinsic_step_duration(step));
         let mut times = vec![0.0, duration];
-        let own = segment.jerk_discontinuities();
+        let own = segment.motion.jerk_discontinuities();
         times.extend(own.into_iter().map(|time| time - overlaps.previous));
         if overlaps.previous > 0.0 {
             let previous = &self.segments[step - 1];
             let end = previous.duration();
-            let of_previous = previous.jerk_discontinuities();
+            let of_previous = previous.motion.jerk_discontinuities();
             times.extend(of_previous.into_iter().map(|time| time - end + overlaps.previous));
         }
         if overlaps.next > 0.0 && step + 1 < self.steps.len() {
             let start = segment.duration() - 2.0 * overlaps.next - overlaps.previous;
-            let of_next = self.segments[step + 1].jerk_discontinuities();
+            let of_next = self.segments[step + 1].motion.jerk_discontinuities();
             times.extend(of_next.into_iter().map(|time| time + start));
         }
         times.retain(|time| (0.0..=duration).contains(time));
@@ -239,17 +240,17 @@ impl Trajectory {
     #[must_use]
     pub fn motion_hashes(&self) -> Vec<u64> {
         let mut known: BTreeMap<u64, u64> = BTreeMap::new();
-        let mut segment_hash = |segment: &WithId<Segment>| {
-            *known.entry(segment.identity()).or_insert_with(|| {
+        let mut motion_hash = |segment: &Segment| {
+            *known.entry(segment.motion.identity()).or_insert_with(|| {
                 let mut hasher = DefaultHasher::new();
-                segment.hash(&mut hasher);
+                segment.motion.hash(&mut hasher);
                 hasher.finish()
             })
         };
         let step_hash = |index: usize| {
             let mut hasher = DefaultHasher::new();
             for (segment, overlap) in self.overlapping_segments(index) {
-                hasher.write_u64(segment.map_or(0, &mut segment_hash));
+                hasher.write_u64(segment.map_or(0, &mut motion_hash));
                 hash_numbers(&mut hasher, &[overlap]);
             }
             hash_numbers(&mut hasher, &self.steps[index].from);
@@ -266,12 +267,12 @@ impl Trajectory {
     }
 
     /// Segment of a step, then those of the previous and the next step where they overlap with it, each with half of the overlap (s).
-    fn overlapping_segments(&self, step: usize) -> [(Option<&WithId<Segment>>, f64); 3] {
+    fn overlapping_segments(&self, step: usize) -> [(Option<&Segment>, f64); 3] {
         let HalfOverlaps { previous, next } = self.half_overlaps(step);
         [
-            (Some(&*self.segments[step]), 0.0),
-            (if previous > 0.0 { Some(&*self.segments[step - 1]) } else { None }, previous),
-            (if next > 0.0 { Some(&*self.segments[step + 1]) } else { None }, next),
+            (Some(&self.segments[step]), 0.0),
+            (if previous > 0.0 { Some(&self.segments[step - 1]) } else { None }, previous),
+            (if next > 0.0 { Some(&self.segments[step + 1]) } else { None }, next),
         ]
     }
 

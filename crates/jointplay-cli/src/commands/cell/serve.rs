@@ -34,8 +34,8 @@ Examples:
   $ nc 127.0.0.1 7000
   READY Dual arm with shared T: q1 q2 q3 T RA RB
   GET LP1 3 A
-  ACCEPTED 4.035 GET LP1 3 A
-  COMPLETED 4.035 GET LP1 3 A
+  ACCEPTED 4.032 GET LP1 3 A
+  COMPLETED 4.032 GET LP1 3 A
 
 Exit codes: 0 done, 2 bad input, usage, or a port that is in use, 130 interrupted.")]
 pub(super) struct Serve {
