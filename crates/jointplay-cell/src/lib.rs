@@ -39,6 +39,7 @@
 //! | `planner` | the [`IncrementalPlanner`] |
 //! | `kinematics_hash` | hash of the inputs of all poses of a cell |
 //! | `arm_placement` | poses of links, end effectors and wafers with deflected arms |
+//! | `extrema` | maxima and minima in one instruction each |
 //! | `conditions`, `validate` | conditions of numbers, and those that a cell has to fulfil |
 //! | `entity`, `error` | [`EntityId`] and [`CellError`] |
 //!
@@ -58,6 +59,7 @@ pub mod controller;
 pub mod displacement;
 mod entity;
 mod error;
+mod extrema;
 pub mod geometry;
 mod incremental;
 pub mod jog;

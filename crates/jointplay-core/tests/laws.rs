@@ -210,7 +210,8 @@ proptest! {
         let pose = case.pose(&gpr);
         let sockets = case.model().sockets(gpr.platform(), &pose.solution.virtual_joints);
         let balls = gpr.ball_centers(&pose.rods);
-        all_near("sides", &pose.sides, &ball_sides(&balls), 0.0);
+        // Squares of sides are fused in a kernel: the last bit differs.
+        all_near("sides", &pose.sides, &ball_sides(&balls), 1e-15);
         all_near("virtual sides", &ball_sides(&sockets.map(|p| p.push(0.0))), &pose.sides, 1e-12);
         let to_base = pose.base_from_platform;
         for k in 0..3 {

@@ -7,6 +7,7 @@ use super::slip::HeldWafer;
 use super::step_findings::{StepFindings, update_peak};
 use crate::CellError;
 use crate::collision::{MotionBoundModel, PoseError, SampledStep, Scene, UnknownPose};
+use crate::extrema::{larger, smaller};
 use crate::program::Step;
 use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, Positions};
 use crate::trajectory::{AxisState, axis_limits};
@@ -28,6 +29,19 @@ struct PlatformState {
     tilt: f64,
     /// Displacement of the virtual joints from nominal (m).
     play: f64,
+}
+
+impl PlatformState {
+    /// Largest tilt (rad) and play (m) that are no violation.
+    fn limits(cell: &Cell) -> [f64; 2] {
+        let tilt_max = cell.robot.gpr.limits().tilt_max;
+        [tilt_max + POSITION_TOLERANCE, cell.play_budget * (1.0 + LIMIT_TOLERANCE)]
+    }
+
+    fn is_within_limits(&self, cell: &Cell) -> bool {
+        let [tilt, play] = Self::limits(cell);
+        self.tilt <= tilt && self.play <= play
+    }
 }
 
 /// Platform states by sample; a single one where no rod moves.
@@ -109,7 +123,7 @@ impl StepFindings {
         let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut peaks = [(0.0_f64, 0); 3];
         for (sample, (state, _)) in states.clone().zip(times).enumerate() {
-            (min, max) = (min.min(state[0]), max.max(state[0]));
+            (min, max) = (smaller(state[0], min), larger(state[0], max));
             for (peak, value) in peaks.iter_mut().zip(&state[1..]) {
                 if value.abs() > peak.0 {
                     *peak = (value.abs(), sample);
@@ -168,6 +182,13 @@ impl StepFindings {
             |id: &EffectorId| matches!(cell.robot.arms[id.arm].droop, Droop::Table { .. });
         let tables: Vec<EffectorId> = cell.robot.effectors().filter(has_table).collect();
         let states = PlatformStates::new(cell, sampled);
+        if let Some(most) = states.most().filter(|most| most.is_within_limits(cell))
+            && tables.is_empty()
+        {
+            self.raise_tilt_and_play(cell, most);
+            self.runs.push(0..sampled.times().len());
+            return;
+        }
         for (sample, &time) in sampled.times().iter().enumerate() {
             let at = SampleTime { time, sample };
             match states.state(sample, || sampled.positions(sample)) {
@@ -200,22 +221,32 @@ impl StepFindings {
         at: SampleTime,
         violations: &mut IntervalMerger,
     ) {
+        self.raise_tilt_and_play(cell, state);
         let PlatformState { tilt, play } = state;
-        let tilt_max = cell.robot.gpr.limits().tilt_max;
+        let [tilt_max, play_max] = PlatformState::limits(cell);
         let mut add = |kind: ViolationKind, value: f64, limit: f64, quantity: ViolationQuantity| {
             let (subject, severity) = (Subject::of(kind), value);
             let violation = SampleViolation { subject, kind, severity, value, limit, quantity };
             violations.add(at, violation, String::new);
         };
-        self.tilt = self.tilt.max(tilt / tilt_max);
-        if tilt > tilt_max + POSITION_TOLERANCE {
-            add(ViolationKind::Tilt, tilt, tilt_max, ViolationQuantity::Angle);
+        if tilt > tilt_max {
+            add(
+                ViolationKind::Tilt,
+                tilt,
+                cell.robot.gpr.limits().tilt_max,
+                ViolationQuantity::Angle,
+            );
         }
-        let ratio = if cell.play_budget > 0.0 { play / cell.play_budget } else { f64::INFINITY };
-        self.play = self.play.max(ratio);
-        if play > cell.play_budget * (1.0 + LIMIT_TOLERANCE) {
+        if play > play_max {
             add(ViolationKind::Play, play, cell.play_budget, ViolationQuantity::Length);
         }
+    }
+
+    /// Raises the shares of the limits of tilt and play to those of a state.
+    fn raise_tilt_and_play(&mut self, cell: &Cell, PlatformState { tilt, play }: PlatformState) {
+        self.tilt = self.tilt.max(tilt / cell.robot.gpr.limits().tilt_max);
+        let ratio = if cell.play_budget > 0.0 { play / cell.play_budget } else { f64::INFINITY };
+        self.play = self.play.max(ratio);
     }
 
     /// Checks the friction of a held wafer.
@@ -265,6 +296,13 @@ impl<'a> PlatformStates<'a> {
             status.fill(Status::NotFinite);
         }
         Self { robot, status, tilts, plays }
+    }
+
+    /// The largest tilt and the largest play; `None` where a state is unknown.
+    fn most(&self) -> Option<PlatformState> {
+        let most = |values: &[f64]| values.iter().fold(0.0, |most, &value| larger(value, most));
+        let are_known = self.status.iter().all(|status| *status == Status::Solved);
+        are_known.then(|| PlatformState { tilt: most(&self.tilts), play: most(&self.plays) })
     }
 
     /// State at a sample; where the columns have none, the single-pose solver states the reason.

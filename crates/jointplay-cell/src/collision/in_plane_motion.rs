@@ -126,7 +126,7 @@ impl InPlaneMotion {
         match self {
             Self::Planar { torsion_per_strain, base_centroid_offset, platform_centroid_offset } => {
                 // 1 / cos α
-                let secant = 1.0_f64.hypot(slope);
+                let secant = (1.0 + slope * slope).sqrt();
                 // ‖dA/ds‖, A: stretch of the triangle of base points to that of ball centres.
                 let strain = 2.0 / 3.0_f64.sqrt() * slope / secant;
                 let torsion = strain * torsion_per_strain;

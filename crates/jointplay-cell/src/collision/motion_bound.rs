@@ -8,6 +8,7 @@ use nalgebra::Vector2;
 
 use super::in_plane_motion::{InPlaneMotion, InPlaneRates};
 use super::motion_bound_coefficients::MotionBoundCoefficients;
+use crate::extrema::{larger, smaller};
 use crate::robot::{HybridRobot, KinematicLimits, MAX_AXES, RODS};
 use crate::trajectory::{AxisSampler, AxisState};
 
@@ -118,7 +119,7 @@ impl CumulativeAxisTravel {
                 if axis < RODS {
                     // The largest travel of a rod so far; `accumulate_tilt` replaces it by the travel of the origin.
                     let [largest, ..] = &mut self.platform[k + 1];
-                    *largest = largest.max(travel);
+                    *largest = larger(travel, *largest);
                 }
             }
         }
@@ -143,14 +144,13 @@ impl CumulativeAxisTravel {
             let at_rest = |rod: usize| [from[rod], 0.0, 0.0, 0.0];
             std::array::from_fn(|rod| rods[rod].map_or(at_rest(rod), |states| states[sample]))
         };
-        let mut first = rod_states(0);
+        let mut first = bounds.tilt_motion(&rod_states(0));
         let mut total = [0.0; 3];
         for k in 1..times.len() {
-            let last = rod_states(k);
+            let last = bounds.tilt_motion(&rod_states(k));
             let rotation = bounds.normal_rotation(times[k] - times[k - 1], [&first, &last]);
-            let [before, after] = [&first, &last].map(|states| bounds.slope(states));
             let InPlaneRates { shift, torsion } =
-                bounds.in_plane.rates(0.5 * (before + after + rotation));
+                bounds.in_plane.rates(0.5 * (first.slope + last.slope + rotation));
             total[0] += bounds.weight_sum * self.platform[k][0] + rotation * shift;
             total[1] += rotation;
             total[2] += rotation * torsion;
@@ -176,6 +176,18 @@ impl CumulativeAxisTravel {
     }
 }
 
+/// Motion of the platform's tilt at a sample.
+struct TiltMotion {
+    /// Tangent of the tilt.
+    slope: f64,
+    /// Deviations of the rods' velocities from their mean (m/s).
+    velocities: [f64; RODS],
+    /// Deviations of the rods' accelerations from their mean (m/s²).
+    accelerations: [f64; RODS],
+    /// Largest jerk of a rod (m/s³).
+    jerk: f64,
+}
+
 /// Robot data that all motion bounds share: motion of the platform by the rods, and jerk limits of all axes.
 pub(crate) struct MotionBoundModel {
     /// Sum of the absolute weights of the rods in the height of the platform's origin.
@@ -187,6 +199,8 @@ pub(crate) struct MotionBoundModel {
     in_plane: InPlaneMotion,
     /// Largest velocity, acceleration and jerk that the limits of each axis allow: samples do not show those between them.
     limits: [KinematicLimits; MAX_AXES],
+    /// The largest of the rods.
+    rod_limits: KinematicLimits,
 }
 
 impl MotionBoundModel {
@@ -205,8 +219,10 @@ impl MotionBoundModel {
         for (limits, axis) in limits.iter_mut().zip(&robot.axes) {
             *limits = largest_limits(axis.empty, axis.loaded);
         }
+        let rod_limits = limits[..RODS].iter().copied().reduce(largest_limits);
         Self {
             limits,
+            rod_limits: rod_limits.expect("there are rods"),
             weight_sum: (0..RODS).map(|k| weight(k).abs()).sum(),
             heights: [0, 1, 2].map(|k| whole.abs() / side(k)),
             slopes: [0, 1, 2].map(|k| {
@@ -233,36 +249,37 @@ impl MotionBoundModel {
         [from, to]: [&AxisState; 2],
     ) -> [f64; 2] {
         let limits = &self.limits[axis];
-        let jerk = limits.jerk.max(from[3].abs()).max(to[3].abs());
+        let jerk = larger(from[3].abs(), larger(to[3].abs(), limits.jerk));
         let acceleration = bound_between(dt, [from[2], to[2]], jerk, limits.acceleration);
         let speed = bound_between(dt, [from[1], to[1]], acceleration, limits.velocity);
         [speed, acceleration]
     }
 
-    /// Slope of the platform's plane: the tangent of its tilt.
-    fn slope(&self, rods: &[AxisState; RODS]) -> f64 {
-        let by_rod = self.slopes.iter().zip(rods).map(|(slope, state)| slope * state[0]);
-        by_rod.sum::<Vector2<f64>>().norm()
+    /// Motion of the platform's tilt by the states of the rods.
+    fn tilt_motion(&self, rods: &[AxisState; RODS]) -> TiltMotion {
+        let deviations = |order: usize| -> [f64; RODS] {
+            let mean = (rods[0][order] + rods[1][order] + rods[2][order]) / 3.0;
+            rods.map(|state| state[order] - mean)
+        };
+        let slope = self.slopes.iter().zip(rods).map(|(slope, state)| slope * state[0]);
+        TiltMotion {
+            slope: slope.sum::<Vector2<f64>>().norm(),
+            velocities: deviations(1),
+            accelerations: deviations(2),
+            jerk: rods.iter().fold(0.0, |most, state| larger(state[3].abs(), most)),
+        }
     }
 
     /// Upper bound of the rotation of the platform's normal between two samples (rad): the travel of the plane's slope.
-    fn normal_rotation(&self, dt: f64, [from, to]: [&[AxisState; RODS]; 2]) -> f64 {
-        let deviations = |states: &[AxisState; RODS], order: usize| -> [f64; RODS] {
-            let mean = (states[0][order] + states[1][order] + states[2][order]) / 3.0;
-            std::array::from_fn(|rod| states[rod][order] - mean)
-        };
-        let velocities = [from, to].map(|states| deviations(states, 1));
-        let accelerations = [from, to].map(|states| deviations(states, 2));
-        let jerk_of = |rod: usize| from[rod][3].abs().max(to[rod][3].abs());
-        let limits = self.limits[..RODS].iter().copied().reduce(largest_limits);
-        let KinematicLimits { velocity, acceleration, jerk } = limits.unwrap_or(self.limits[0]);
+    fn normal_rotation(&self, dt: f64, [from, to]: [&TiltMotion; 2]) -> f64 {
+        let KinematicLimits { velocity, acceleration, jerk } = self.rod_limits;
         // A deviation from the mean is at most twice the largest.
-        let jerk = 2.0 * (0..RODS).map(jerk_of).fold(jerk, f64::max);
+        let jerk = 2.0 * larger(from.jerk, larger(to.jerk, jerk));
         let rotation = |rod: usize| {
-            let most = 2.0 * acceleration;
-            let acceleration = bound_between(dt, accelerations.map(|of| of[rod]), jerk, most);
-            let speed =
-                bound_between(dt, velocities.map(|of| of[rod]), acceleration, 2.0 * velocity);
+            let accelerations = [from.accelerations[rod], to.accelerations[rod]];
+            let velocities = [from.velocities[rod], to.velocities[rod]];
+            let acceleration = bound_between(dt, accelerations, jerk, 2.0 * acceleration);
+            let speed = bound_between(dt, velocities, acceleration, 2.0 * velocity);
             dt * speed / self.heights[rod]
         };
         (0..RODS).map(rotation).sum()
@@ -329,7 +346,8 @@ fn largest_limits(one: KinematicLimits, other: KinematicLimits) -> KinematicLimi
 /// The travel at a speed with this bound is additive over parts of the interval: in half of the time at most half.
 fn bound_between(dt: f64, [first, last]: [f64; 2], rate: f64, limit: f64) -> f64 {
     let [first, last] = [first.abs(), last.abs()];
-    (0.5 * (first + last + dt * rate)).min(LIMIT_EXCESS * limit.max(first).max(last))
+    let limit = larger(first, larger(last, limit));
+    smaller(0.5 * (first + last + dt * rate), LIMIT_EXCESS * limit)
 }
 
 #[cfg(test)]

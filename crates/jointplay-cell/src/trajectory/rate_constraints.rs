@@ -2,6 +2,7 @@
 
 use super::spline::Spline;
 use super::squared_rate::{Basis, COEFFICIENTS, INTERVALS, RateGrid, product};
+use crate::extrema::{raise, smaller};
 use crate::robot::{AxesMotion, KinematicLimits};
 
 /// Fractions of the first and last interval at which the jerk is constrained besides its ends: jerk and acceleration start from rest there, and the constraint is strongly curved.
@@ -33,11 +34,6 @@ impl Bound {
             Self::Friction => [1.0, UNBOUNDED],
         }
     }
-}
-
-/// Raises a maximum to a value; NaN is passed over, as by [`f64::max`], in one instruction.
-pub(super) fn raise(most: &mut f64, value: f64) {
-    *most = if value > *most { value } else { *most };
 }
 
 /// Magnitude that no constraint reaches.
@@ -255,9 +251,8 @@ impl<'a> RateConstraints<'a> {
             for (row, slack) in rows.by_ref().take(point.rows) {
                 let value = row[0] * x + row[1] * x1 + row[2] * x2;
                 *slack = [above - value, below + value];
-                // As by `f64::min`, in one instruction each.
                 for &slack in &*slack {
-                    least = if slack < least { slack } else { least };
+                    least = smaller(slack, least);
                 }
             }
         }

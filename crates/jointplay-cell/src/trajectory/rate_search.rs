@@ -1,9 +1,10 @@
 //! Search for the largest squared rate within constraints: a primal-dual interior-point method.
 
-use super::rate_constraints::{Bound, RateConstraints, Slacks, raise};
+use super::rate_constraints::{Bound, RateConstraints, Slacks};
 use super::squared_rate::{
     COEFFICIENTS, INTERVALS, QuadraturePoint, RateGrid, SquaredRate, product,
 };
+use crate::extrema::raise;
 
 /// Largest number of iterations.
 const MAX_ITERATIONS: usize = 40;

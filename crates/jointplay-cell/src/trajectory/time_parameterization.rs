@@ -11,11 +11,12 @@
 use pulp::Arch;
 
 use super::profile::{AxisState, JerkLimitedProfile};
-use super::rate_constraints::{Exceedance, FrictionConstraints, RateConstraints, raise};
+use super::rate_constraints::{Exceedance, FrictionConstraints, RateConstraints};
 use super::rate_search::RateSearch;
 use super::spline::{self, Jet, Spline};
 use super::squared_rate::{INTERVALS, RateGrid};
 use super::synchronized::{NoProfile, synchronized_profile};
+use crate::extrema::raise;
 use crate::robot::{AxesMotion, KinematicLimits};
 
 /// Number of intervals between the path parameters at which slopes are compared.
