@@ -14,7 +14,7 @@ use crate::random::Random;
 const GROWTH: usize = 4;
 /// How often a space grows so before the next one starts with more twists.
 const BATCHES: usize = 6;
-/// A value is settled where the gradient of its square is that of a singular vector, to this share of its square: the share to which it is known is the square of this, over the gap to the next.
+/// A value is settled where the gradient of its square is that of a singular vector, to this share of its square, or the inverse of the normal equations makes of the vector a multiple of it, to this share: the share to which it is known is the square of this, over the gap to the next.
 const SETTLED_VALUE: f64 = 0.05;
 /// Round-off of that gradient, as a share of the damping.
 const ROUND_OFF: f64 = 0.1;
@@ -97,13 +97,9 @@ impl Linear {
             let counts_as_zero = |value: &&f64| **value <= relative_threshold * largest;
             // The first value that counts and is not hidden.
             let first = found.values.iter().filter(counts_as_zero).count().max(hidden);
-            let is_first_settled = found.values.get(first).is_none_or(|value| {
-                let square = value * value;
-                let violation = found.violations.column(first).into_owned();
-                let gradient = self.apply_transposed(&violation);
-                let rest = (gradient - found.twists.column(first) * square).norm();
-                rest <= SETTLED_VALUE * square + ROUND_OFF * self.damping
-            });
+            let is_first_settled = first >= found.values.len()
+                || self.is_settled(&found, first)
+                || (batches == BATCHES && self.is_settled_for_inverse(&found, first));
             let has_all = first < block;
             if !has_all || is_first_settled || batches == BATCHES || is_whole {
                 let LeastVectors { values, twists: vectors, .. } = self.purified(found, largest)?;
@@ -112,6 +108,24 @@ impl Linear {
                 return Ok((Spectrum { values, vectors, zeros, largest }, is_settled));
             }
         }
+    }
+
+    /// Whether a singular vector is one, by the gradient of its square.
+    fn is_settled(&self, found: &LeastVectors, index: usize) -> bool {
+        let (twist, square) = (found.twists.column(index), found.values[index].powi(2));
+        let violation = found.violations.column(index).into_owned();
+        let rest = (self.apply_transposed(&violation) - twist * square).norm();
+        rest <= SETTLED_VALUE * square + ROUND_OFF * self.damping
+    }
+
+    /// Whether a singular vector is one, by the inverse of the normal equations.
+    ///
+    /// Among many values that are nearly equal, such as those of a chain of gears, a small part of much larger ones stays in the vector: their gradient is large, and the inverse does not have them.
+    fn is_settled_for_inverse(&self, found: &LeastVectors, index: usize) -> bool {
+        let (twist, square) = (found.twists.column(index), found.values[index].powi(2));
+        let mut inverse = twist.into_owned();
+        self.solve(inverse.as_mut_slice());
+        (inverse * (square + self.damping) - twist).norm() <= SETTLED_VALUE
     }
 
     /// Number of hidden values, see [`HIDDEN`].
