@@ -5,7 +5,7 @@ use jointplay_cell::robot::{RODS, WaferTarget};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::Droop;
 use jointplay_cell::workcell::{Cell, Zone, ZoneRule};
-use jointplay_core::gpr::AxisHeight;
+use jointplay_core::gpr::{AxisHeight, Gpr};
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -122,9 +122,8 @@ proptest! {
     }
 }
 
-/// A safe zone has a height: blends of congruent steps at two heights are those of either one alone.
-#[test]
-fn blends_of_raised_steps_keep_safe_zones_where_they_are() {
+/// A cell in which no wafer slips, and positions on either side of a corner, and at it in the middle.
+fn corner() -> (Cell, [Vec<f64>; 3]) {
     let mut cell = common::cell(common::kind(0, [0.25, 0.22, 0.2]));
     cell.robot.arms[0].effectors[0].friction = 10.0;
     let a = positions(&cell, Tilt::LEVEL, 0.4);
@@ -132,6 +131,13 @@ fn blends_of_raised_steps_keep_safe_zones_where_they_are() {
     b[3] += 0.8;
     (c[3], c[4]) = (b[3], a[4] + 0.5);
     let [b, c] = [rounded(&b), rounded(&c)];
+    (cell, [a, b, c])
+}
+
+/// A safe zone has a height: blends of congruent steps at two heights are those of either one alone.
+#[test]
+fn blends_of_raised_steps_keep_safe_zones_where_they_are() {
+    let (mut cell, [a, b, c]) = corner();
     let turn = |from: &[f64], to: &[f64]| Step {
         phase: Phase::Turn,
         blend_radius: 0.05,
@@ -162,12 +168,7 @@ fn blends_of_raised_steps_keep_safe_zones_where_they_are() {
 /// Whether a safe zone applies to a step is an input of its blends.
 #[test]
 fn blends_of_equal_moves_in_and_outside_of_safe_zones_differ() {
-    let mut cell = common::cell(common::kind(0, [0.25, 0.22, 0.2]));
-    cell.robot.arms[0].effectors[0].friction = 10.0;
-    let a = positions(&cell, Tilt::LEVEL, 0.4);
-    let (mut b, mut c) = (a.clone(), a.clone());
-    b[3] += 0.8;
-    (c[3], c[4]) = (b[3], a[4] + 0.5);
+    let (mut cell, [a, b, c]) = corner();
     let corner = cell.wafer_pose(A, &b, false).unwrap().translation.vector;
     // So small that a blend leaves it.
     cell.zones.push(Zone {
@@ -190,4 +191,21 @@ fn blends_of_equal_moves_in_and_outside_of_safe_zones_differ() {
     assert_eq!(both.blend(0), plan(&cell, &turns).blend(0));
     assert_eq!(both.blend(3), plan(&cell, &others).blend(0));
     assert_ne!(both.blend(0), both.blend(3));
+}
+
+/// A robot that checks limits has no pose far below them.
+#[test]
+fn robots_that_check_limits_are_planned_where_they_are() {
+    let (mut cell, [a, b, _]) = corner();
+    let steps = |height: i32| {
+        let up = raised(&b, height);
+        [step(&a, &b, Path::PointToPoint, true), step(&b, &up, Path::Line(A), true)]
+    };
+    let expected = plan(&cell, &steps(20_000)).duration();
+    let limits = *cell.robot.gpr.limits();
+    let gpr = &cell.robot.gpr;
+    cell.robot.gpr = Gpr::new(gpr.limbs(), limits, gpr.working_height()).unwrap();
+    assert!(cell.robot.gpr.checks_limits());
+    let found = plan(&cell, &steps(20_000)).duration();
+    assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
 }

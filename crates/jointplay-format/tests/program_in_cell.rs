@@ -448,3 +448,24 @@ fn endless_and_too_long_programs_are_rejected() {
     let lines: Vec<&str> = messages.lines().map(|line| line.split(':').next().unwrap()).collect();
     assert_eq!(lines, ["1", "4", "6", "7", "10"], "{messages}");
 }
+
+/// Positions from inverse kinematics are rounded, but not beyond a limit that they are at.
+#[test]
+fn moves_from_a_pose_at_the_largest_tilt_keep_it() {
+    let mut at_the_limit = 0;
+    for azimuth in (0..360).step_by(11) {
+        let tilt = format!("azimuth_deg = {azimuth}.0, angle_deg = 1.5");
+        let text = jointplay_format::cell::EXAMPLE;
+        let text = text.replace("azimuth_deg = 100.0, angle_deg = 0.8", &tilt);
+        let mut cell = jointplay_format::cell::read(&text, &mut |_| Err(String::new())).unwrap();
+        cell.robot.arms.iter_mut().for_each(|arm| arm.droop = Droop::Rigid);
+        let steps = |text: &str| expand(&cell, &parse(text).unwrap());
+        let Ok(there) = steps("GOTO LP2 SLOT 5 WITH A\n") else { continue };
+        let rods = &there.last().unwrap().to;
+        let tilt = cell.robot.gpr.plane_tilt(&[rods[0], rods[1], rods[2]]).angle;
+        at_the_limit += usize::from((tilt - cell.robot.gpr.limits().tilt_max).abs() < 1e-9);
+        let moved = steps("GOTO LP2 SLOT 5 WITH A\nMOVE T 0 deg\n");
+        assert!(moved.is_ok(), "{azimuth}: {moved:?}");
+    }
+    assert!(at_the_limit > 20, "{at_the_limit}");
+}

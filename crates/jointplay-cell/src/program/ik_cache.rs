@@ -5,9 +5,7 @@ use std::sync::Arc;
 
 use super::posture_choice::Visit;
 use crate::incremental::{CacheKey, CacheStats, GenerationalCache};
-use crate::robot::{
-    EffectorId, HybridRobot, PostureChange, Redundancy, WaferTarget, round_positions,
-};
+use crate::robot::{EffectorId, HybridRobot, PostureChange, Redundancy, WaferTarget};
 use crate::station::{InfeasibleLine, PostureOptions, SlotId, Station, StationPostures, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
@@ -130,9 +128,7 @@ impl IkCache {
         inputs.add(&target.center).add(&target.normal).add(&target.heading).add(seed);
         let reach = || {
             let found = cell.compensated_inverse_by(effector, target, loaded, seed, redundancy);
-            let mut positions = found?.positions;
-            round_positions(&mut positions, seed);
-            Ok(positions)
+            found.map(|found| cell.robot.rounded(found.positions, seed))
         };
         self.ik_solutions.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
     }

@@ -14,7 +14,7 @@ use super::limits::check_limits;
 use super::posture_choice::PostureChoice;
 use super::retracted_pose::retracted_positions;
 use super::{Handoff, LinePostures, Path, Phase, ProgramProblem, RobotState, SourceLocation, Step};
-use crate::robot::{EffectorId, PostureChange, RODS, WaferTarget, round_rods};
+use crate::robot::{EffectorId, PostureChange, RODS, WaferTarget};
 use crate::station::LinePoint::{Retracted, Slot, Via};
 use crate::station::{LinePoint, SlotId, Waypoints};
 use crate::workcell::Cell;
@@ -333,8 +333,8 @@ impl<'c> MotionSequencer<'c> {
     fn level(&mut self) {
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         if self.cell.robot.gpr.plane_tilt(&rods).angle > LEVEL_TOLERANCE {
-            let mut to = self.positions_at_tilt(Tilt::LEVEL);
-            round_rods(&mut to);
+            let to = self.positions_at_tilt(Tilt::LEVEL);
+            let to = self.cell.robot.rounded(to, &self.positions);
             self.push(Phase::Level, to, Path::PointToPoint);
         }
     }

@@ -47,5 +47,5 @@ pub(crate) use inverse::{PlanarPath, PostureCandidate, PostureChange};
 pub use jacobian::EffectorJacobian;
 pub use model::PlatformModel;
 pub use positions::Positions;
-pub(crate) use resolution::{RodMultiples, round_positions, round_rods};
+pub(crate) use resolution::RodMultiples;
 pub use validate::RobotPart;

@@ -1,6 +1,6 @@
 //! The resolution of positions from inverse kinematics: rods that differ by a common height differ from each other by the same numbers, to the bit.
 
-use super::hybrid_robot::RODS;
+use super::hybrid_robot::{HybridRobot, RODS};
 
 /// Multiples of the resolution in a metre or radian: it is 10⁻¹² m or rad, to which inverse kinematics is accurate.
 const PER_UNIT: f64 = 1e12;
@@ -8,7 +8,8 @@ const PER_UNIT: f64 = 1e12;
 const LARGEST: f64 = 1e3;
 
 fn nearest_multiple(position: f64) -> f64 {
-    (position * PER_UNIT).round()
+    // Plus zero: -0 becomes 0.
+    (position * PER_UNIT).round() + 0.0
 }
 
 /// Rods as multiples of the resolution.
@@ -16,7 +17,7 @@ fn nearest_multiple(position: f64) -> f64 {
 pub(crate) struct RodMultiples([f64; RODS]);
 
 impl RodMultiples {
-    /// Rods next to the first of all positions; their distances from the first rod are rounded, so that round-off in a common height does not change them.
+    /// Multiples nearest to the rods, which are the first of the positions of all axes. Distances from the first rod are rounded by themselves, so that round-off in a common height does not change them.
     fn nearest(positions: &[f64]) -> Self {
         let (first, lowest) = (positions[0], nearest_multiple(positions[0]));
         Self(std::array::from_fn(|rod| lowest + nearest_multiple(positions[rod] - first)))
@@ -39,7 +40,7 @@ impl RodMultiples {
 }
 
 /// Rounds the rods of the positions of all axes to the resolution.
-pub(crate) fn round_rods(positions: &mut [f64]) {
+fn round_rods(positions: &mut [f64]) {
     if positions[..RODS].iter().all(|length| length.abs() < LARGEST) {
         let rounded = RodMultiples::nearest(positions).lengths();
         positions[..RODS].copy_from_slice(&rounded);
@@ -50,7 +51,7 @@ pub(crate) fn round_rods(positions: &mut [f64]) {
 ///
 /// # Arguments
 /// * `present` – positions of all axes before (m or rad)
-pub(crate) fn round_positions(positions: &mut [f64], present: &[f64]) {
+fn round_positions(positions: &mut [f64], present: &[f64]) {
     round_rods(positions);
     for (motor, &present) in positions.iter_mut().zip(present).skip(RODS) {
         *motor = if (*motor - present).abs() <= 1.0 / PER_UNIT {
@@ -60,6 +61,19 @@ pub(crate) fn round_positions(positions: &mut [f64], present: &[f64]) {
         } else {
             *motor
         };
+    }
+}
+
+impl HybridRobot {
+    /// Positions of all axes, rounded to the resolution; as they are where the rounded ones would be beyond a limit.
+    ///
+    /// # Arguments
+    /// * `present` – positions of all axes before (m or rad)
+    pub(crate) fn rounded(&self, positions: Vec<f64>, present: &[f64]) -> Vec<f64> {
+        let mut rounded = positions.clone();
+        round_positions(&mut rounded, present);
+        let is_within = self.limit_violations(&rounded).is_ok_and(|found| found.is_empty());
+        if is_within { rounded } else { positions }
     }
 }
 
@@ -107,6 +121,9 @@ mod tests {
         round_positions(&mut positions, &present);
         assert_eq!(positions[..4], present[..4]);
         assert_eq!(positions[4], 0.666_666_666_669);
+        let mut zeros = [-0.0, -1e-13, 1e-13, -1e-13];
+        round_positions(&mut zeros, &[0.0, 0.0, 0.0, 1.0]);
+        assert!(zeros.iter().all(|zero| zero.to_bits() == 0), "{zeros:?}");
     }
 
     #[test]

@@ -143,25 +143,25 @@ impl BlendPlanner {
     }
 
     /// Duration of blended steps from rest to rest (s).
-    fn duration(&mut self, cell: &Cell, slowed: StepSegments<'_>) -> f64 {
-        let corners = 0..slowed.steps.len() - 1;
+    fn duration(&mut self, cell: &Cell, blended: StepSegments<'_>) -> f64 {
+        let corners = 0..blended.steps.len() - 1;
         let blends: Vec<Option<Blend>> =
-            corners.map(|first| self.blend(cell, slowed, first)).collect();
+            corners.map(|first| self.blend(cell, blended, first)).collect();
         let overlaps: f64 = blends.iter().flatten().map(|blend| blend.overlap).sum();
-        slowed.segments.iter().map(|segment| segment.duration()).sum::<f64>() - overlaps
+        blended.segments.iter().map(|segment| segment.duration()).sum::<f64>() - overlaps
     }
 
     /// Blend of a step with the next.
     pub(super) fn blend(
         &mut self,
         cell: &Cell,
-        slowed: StepSegments<'_>,
+        all: StepSegments<'_>,
         first: usize,
     ) -> Option<Blend> {
         let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
-        let candidate = slowed.candidate(conditions, first)?;
+        let candidate = all.candidate(conditions, first)?;
         let Ok(blend) =
-            self.blends.get_or_compute::<Infallible>(slowed.key(first), || Ok(candidate.blend()));
+            self.blends.get_or_compute::<Infallible>(all.key(first), || Ok(candidate.blend()));
         *blend
     }
 }

@@ -19,14 +19,15 @@ pub(crate) struct Segment {
 }
 
 impl Segment {
-    /// A motion of rods from their positions of the step.
+    /// A motion that no other segment shares.
     pub(super) fn new(motion: SegmentMotion) -> Self {
         Self { motion: Arc::new(WithId::new(motion)), lift: 0.0 }
     }
 
-    /// A motion over a height of the rods.
+    /// A motion over a height of the rods; a dwell is at the positions of its step.
     pub(super) fn lifted(motion: Arc<WithId<SegmentMotion>>, lift: f64) -> Self {
-        Self { motion, lift }
+        let is_dwell = matches!(**motion, SegmentMotion::Dwell { .. });
+        Self { motion, lift: if is_dwell { 0.0 } else { lift } }
     }
 
     /// No motion.

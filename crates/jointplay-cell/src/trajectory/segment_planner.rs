@@ -119,7 +119,7 @@ impl SegmentCache {
         let steps = errors.steps;
         let moving: BTreeMap<usize, LoweredStep> = (0..steps.len())
             .filter(|&index| moves(&steps[index]) && invalid(cell, steps, index).is_none())
-            .map(|index| (index, LoweredStep::new(&steps[index])))
+            .map(|index| (index, LoweredStep::new(&cell.robot, &steps[index])))
             .collect();
         let missing = moving.iter().map(|(index, lowered)| (*index, &lowered.key));
         let missing = missing.filter(|(_, key)| !self.motions.contains(key));
@@ -183,9 +183,9 @@ impl SegmentCache {
                 };
                 segments[index] = errors.or_empty(index, planned);
             }
-            let slowed = StepSegments { steps, segments };
+            let planned = StepSegments { steps, segments };
             if let Some(before) = index.checked_sub(1)
-                && let Some(blend) = self.blends.blend(cell, slowed, before)
+                && let Some(blend) = self.blends.blend(cell, planned, before)
             {
                 // Each of the two steps owns half of the overlap.
                 times[index] -= 0.5 * blend.overlap;
@@ -266,9 +266,9 @@ fn plan_step(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Planned<S
         }
         _ => {
             let limits = |axis| scaled_axis_limits(&cell.robot, axis, step);
-            let segment =
+            let motion =
                 SegmentMotion::PointToPoint(synchronized_profile(&step.from, &step.to, limits)?);
-            Ok(without_slip(cell, step, segment, || joint_line_with_friction(cell, step)))
+            Ok(without_slip(cell, step, motion, || joint_line_with_friction(cell, step)))
         }
     }
 }
