@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from 'vitest';
-import { ROOT, accessibilityViolations, browse, bytesOf, complaints, drawn, load, reload, serve, unhandled, until, visit, type Server } from './studio';
+import { ROOT, accessibilityViolations, browse, bytesOf, complaints, drawn, frames, load, reload, serve, unhandled, until, visit, type Server } from './studio';
 
 const PAPER = readFileSync(resolve(ROOT, 'crates/jointplay-format/robots/gpr.toml'), 'utf8');
 /** A robot as a stranger writes it: a parameter, comments, inline tables, rods away from their sockets. */
@@ -111,6 +111,22 @@ test('a file with the line ends of Windows keeps them when it is edited', async 
   await page.getByTestId('robot-save').click();
   await saved();
   expect(readFileSync(file, 'utf8')).toBe(`${PAPER.replace('tilt_deg = 1.5', 'tilt_deg = 1.25')}# mine\n`.replaceAll('\n', '\r\n'));
+});
+
+test('the robot of the server is loaded before its dialog closes, so that no later edit is replaced', async () => {
+  await edit();
+  await page.route('**/api/v1/robot/file', async (route) => {
+    await new Promise((wait) => setTimeout(wait, 1000));
+    await route.fallback();
+  });
+  const loaded = page.waitForResponse('**/api/v1/robot/file');
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-server').click();
+  await page.locator('dialog[open]').waitFor({ state: 'hidden' });
+  await type('field-robot-tilt_limit', '1.25');
+  await loaded;
+  await frames(page);
+  await holds('tilt_deg = 1.25');
 });
 
 test('another robot is opened at its working height, and undo returns to the pose before', async () => {

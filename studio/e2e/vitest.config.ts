@@ -1,11 +1,11 @@
 import { defineConfig } from 'vitest/config';
 import { TIMEOUT_MS } from './browser';
 
-// One browser, one server, one test after another: they share a machine that draws in software.
+// One browser for all files, two of which are tested at a time: they share a machine that draws in software, and each waits for its server half of the time.
 export default defineConfig({
   test: {
     include: ['e2e/**/*.test.ts'],
-    fileParallelism: false,
+    maxWorkers: 2,
     isolate: false,
     globalSetup: ['e2e/browser.ts'],
     // Each wait within a test has a limit of its own, and its message names the awaited state.
