@@ -1,7 +1,7 @@
 import { defineConfig } from 'vitest/config';
 import { TIMEOUT_MS } from './browser';
 
-// One browser for all files, two of which are tested at a time: they share a machine that draws in software, and each waits for its server half of the time.
+// One browser for all files, two of which are tested at a time: a page waits for its server, and a server for its page.
 export default defineConfig({
   test: {
     include: ['e2e/**/*.test.ts'],
