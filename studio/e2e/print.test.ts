@@ -51,8 +51,10 @@ for (const { name, ready, shown, text } of VIEWS)
     });
     if (name !== 'Cell') expect(atOnce).toEqual({ hidden: false, title: expect.stringMatching(/./) });
     await page.emulateMedia({ media: 'print' });
-    await until('the printed picture', async () => (await picture(page)).colors > 20);
-    const { corner, width } = await picture(page);
+    // The canvas keeps the picture of before until the page is laid out for paper.
+    let printed = await picture(page);
+    await until('the printed picture', async () => (printed = await picture(page)).colors > 20 && printed.width > 0);
+    const { corner, width } = printed;
     // Light, as paper, although the page is dark.
     expect(Math.min(...corner)).toBeGreaterThan(200);
     expect(width).toBeGreaterThan(600);
