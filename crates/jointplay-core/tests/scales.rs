@@ -165,7 +165,7 @@ fn stages() -> impl Strategy<Value = Stage> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
     #[test]
     fn one_step_at_any_scale_ends_where_many_steps_end(
@@ -176,7 +176,7 @@ proptest! {
         let to = to_deg.to_radians();
         let expected = match stage.excess.iter().all(|&excess| excess == 0.0) {
             true => stage.parallel(to),
-            false => stage.moved(1.0, to, 20),
+            false => stage.moved(1.0, to, 60),
         };
         let found = stage.moved(scale, to, 1);
         let off = (&found - &expected).amax();
