@@ -113,21 +113,25 @@ test('a file with the line ends of Windows keeps them when it is edited', async 
   expect(readFileSync(file, 'utf8')).toBe(`${PAPER.replace('tilt_deg = 1.5', 'tilt_deg = 1.25')}# mine\n`.replaceAll('\n', '\r\n'));
 });
 
-test('the robot of the server is loaded before its dialog closes, so that no later edit is replaced', async () => {
-  await edit();
-  await page.route('**/api/v1/robot/file', async (route) => {
-    await new Promise((wait) => setTimeout(wait, 1000));
-    await route.fallback();
+for (const { end, wait } of [
+  { end: 'is loaded before its dialog closes', wait: () => page.locator('dialog[open]').waitFor({ state: 'hidden' }) },
+  { end: 'is not opened once its dialog is closed', wait: () => page.keyboard.press('Escape') },
+])
+  test(`the robot of the server ${end}, so that no later edit is replaced`, async () => {
+    await edit();
+    await page.route('**/api/v1/robot/file', async (route) => {
+      await new Promise((delay) => setTimeout(delay, 1000));
+      await route.fallback();
+    });
+    const loaded = page.waitForResponse('**/api/v1/robot/file');
+    await page.keyboard.press('Control+o');
+    await page.getByTestId('open-server').click();
+    await wait();
+    await type('field-robot-tilt_limit', '1.25');
+    await loaded;
+    await frames(page);
+    await holds('tilt_deg = 1.25');
   });
-  const loaded = page.waitForResponse('**/api/v1/robot/file');
-  await page.keyboard.press('Control+o');
-  await page.getByTestId('open-server').click();
-  await page.locator('dialog[open]').waitFor({ state: 'hidden' });
-  await type('field-robot-tilt_limit', '1.25');
-  await loaded;
-  await frames(page);
-  await holds('tilt_deg = 1.25');
-});
 
 test('another robot is opened at its working height, and undo returns to the pose before', async () => {
   await edit();

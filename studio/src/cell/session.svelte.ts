@@ -459,10 +459,11 @@ export class WorkcellSession {
     return other !== null;
   }
 
-  /** Shows the files of the server, loaded from disk again; undo returns to the previous texts. */
-  async reload(): Promise<void> {
+  /** Shows the files of the server, loaded from disk again, unless this is aborted before; undo returns to the previous texts. */
+  async reload(signal?: AbortSignal): Promise<void> {
     try {
       const { cell, program, version } = await api.cell();
+      if (signal?.aborted) return;
       this.completeEdit();
       if (this.opened) {
         this.#leaveCell();

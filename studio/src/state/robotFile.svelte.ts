@@ -90,12 +90,13 @@ export class RobotFile {
     this.#read();
   }
 
-  /** Loads the text from the server again; undo returns to the previous one. */
-  async reload(): Promise<void> {
+  /** Loads the text from the server again, unless this is aborted before; undo returns to the previous one. */
+  async reload(signal?: AbortSignal): Promise<void> {
     try {
       const { name, text, writable, version, parameters } = await api.robotFile();
       const isFirst = this.text === null;
       if (!isFirst) await this.#completeEdits();
+      if (signal?.aborted) return;
       this.#version = version;
       this.#server = { writable, saved: text };
       this.#show({ name, text, parameters, opened: null });

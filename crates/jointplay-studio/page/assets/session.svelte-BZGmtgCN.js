@@ -1,1 +1,0 @@
-export{n as session}from"./session.svelte-Cy6-WN7n.js";
