@@ -1,19 +1,23 @@
 //! Painting of a finished SVG as PNG, with the embedded font only.
 
+use std::io::Read as _;
 use std::sync::{Arc, LazyLock};
 
+use flate2::read::GzDecoder;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
 use crate::Error;
 
-/// DejaVu Sans, the first family that figures ask for.
-static FONT: &[u8] = include_bytes!("../fonts/DejaVuSans.ttf");
+/// DejaVu Sans, the first family that figures ask for, in gzip.
+static FONT: &[u8] = include_bytes!("../fonts/DejaVuSans.ttf.gz");
 
 /// The fonts known to the painter: the embedded one.
 static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
+    let mut font = Vec::new();
+    GzDecoder::new(FONT).read_to_end(&mut font).expect("the embedded font is whole");
     let mut fonts = fontdb::Database::new();
-    fonts.load_font_source(fontdb::Source::Binary(Arc::new(FONT)));
+    fonts.load_font_source(fontdb::Source::Binary(Arc::new(font)));
     fonts.set_sans_serif_family("DejaVu Sans");
     Arc::new(fonts)
 });

@@ -15,7 +15,7 @@ use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use jointplay_plot::Error;
 use jointplay_plot::cell::{EffectorPath, Gantt, Interval, IntervalKind, Taught, TopView};
 use nalgebra::Vector3;
-use resvg::usvg::{Group, Node, Options, Tree, roxmltree::Document};
+use resvg::usvg::{Group, Node, roxmltree::Document};
 
 /// The colour of violations.
 const VERMILLION: &str = "#d55e00";
@@ -139,9 +139,7 @@ fn texts(group: &Group, found: &mut Vec<(String, resvg::tiny_skia::Rect)>) {
 fn check(svg: &str, expected: &[&str]) -> Vec<(String, resvg::tiny_skia::Rect)> {
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     Document::parse(svg).unwrap();
-    let mut options = Options::default();
-    options.fontdb_mut().load_font_data(include_bytes!("../fonts/DejaVuSans.ttf").to_vec());
-    let tree = Tree::from_str(svg, &options).unwrap();
+    let tree = crate::figures::parse(svg);
     let mut found = Vec::new();
     texts(tree.root(), &mut found);
     for text in expected {

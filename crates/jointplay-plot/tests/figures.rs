@@ -1,14 +1,20 @@
 //! Representative figures, as SVG and as PNG: complete, readable, sound, and the same every time.
 
+use std::io::Read as _;
+
 use crate::gallery;
 
 use jointplay_plot::{Axis, Curve, Error, Figure, Panel, rod_style};
 use resvg::tiny_skia::{Pixmap, Rect};
 use resvg::usvg::{Group, Node, Options, Tree, roxmltree::Document};
 
-fn parse(svg: &str) -> Tree {
+/// An SVG as another program understands it, with the embedded font.
+pub(crate) fn parse(svg: &str) -> Tree {
+    let mut font = Vec::new();
+    let packed = &include_bytes!("../fonts/DejaVuSans.ttf.gz")[..];
+    flate2::read::GzDecoder::new(packed).read_to_end(&mut font).unwrap();
     let mut options = Options::default();
-    options.fontdb_mut().load_font_data(include_bytes!("../fonts/DejaVuSans.ttf").to_vec());
+    options.fontdb_mut().load_font_data(font);
     Tree::from_str(svg, &options).expect("the SVG is understood")
 }
 

@@ -14,8 +14,6 @@ use flate2::write::GzEncoder;
 
 /// Sizes of compressed bodies (bytes): smaller ones are sent at once, and larger ones take long to compress.
 const COMPRESSED_BYTES: std::ops::Range<u64> = 16_384..4_000_000;
-/// Sizes of compressed files of the page (bytes): the browser keeps them, so that the time to compress them counts once.
-const COMPRESSED_FILE_BYTES: std::ops::Range<u64> = 1_024..4_000_000;
 
 /// Compresses the bodies of responses that a client accepts with gzip.
 pub(crate) async fn compress(request: Request, next: Next) -> Response {
@@ -23,16 +21,7 @@ pub(crate) async fn compress(request: Request, next: Next) -> Response {
     let response = next.run(request).await;
     let size = response.body().size_hint().exact();
     let is_compressed = response.headers().contains_key(header::CONTENT_ENCODING);
-    let is_kept = response
-        .headers()
-        .get(header::CACHE_CONTROL)
-        .is_some_and(|value| value.as_bytes().ends_with(b"immutable"));
-    let (sizes, level) = if is_kept {
-        (COMPRESSED_FILE_BYTES, Compression::default())
-    } else {
-        (COMPRESSED_BYTES, Compression::fast())
-    };
-    if is_compressed || !size.is_some_and(|size| sizes.contains(&size)) {
+    if is_compressed || !size.is_some_and(|size| COMPRESSED_BYTES.contains(&size)) {
         return response;
     }
     let (mut head, body) = response.into_parts();
@@ -45,7 +34,7 @@ pub(crate) async fn compress(request: Request, next: Next) -> Response {
         return StatusCode::INTERNAL_SERVER_ERROR.into_response();
     };
     let plain = bytes.clone();
-    let compressed = tokio::task::spawn_blocking(move || gzip(&plain, level)).await.ok().flatten();
+    let compressed = tokio::task::spawn_blocking(move || gzip(&plain)).await.ok().flatten();
     let body = match compressed {
         Some(compressed) if compressed.len() < bytes.len() => {
             head.headers.insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
@@ -58,7 +47,7 @@ pub(crate) async fn compress(request: Request, next: Next) -> Response {
 }
 
 /// Whether a request lists gzip among the accepted encodings, with a weight above zero.
-fn accepts_gzip(headers: &HeaderMap) -> bool {
+pub(crate) fn accepts_gzip(headers: &HeaderMap) -> bool {
     let lists = headers.get_all(header::ACCEPT_ENCODING).iter().filter_map(|one| one.to_str().ok());
     lists.flat_map(|list| list.split(',')).any(|one| {
         let mut parts = one.split(';').map(str::trim);
@@ -69,8 +58,8 @@ fn accepts_gzip(headers: &HeaderMap) -> bool {
 }
 
 /// The bytes as a gzip file.
-fn gzip(bytes: &[u8], level: Compression) -> Option<Vec<u8>> {
-    let mut encoder = GzEncoder::new(Vec::with_capacity(bytes.len() / 2), level);
+fn gzip(bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut encoder = GzEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::fast());
     encoder.write_all(bytes).ok()?;
     encoder.finish().ok()
 }

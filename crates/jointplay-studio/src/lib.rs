@@ -23,7 +23,8 @@
 //! | `body.rs` | bodies of requests in JSON |
 //! | `length_header.rs` | the header that names the unit of lengths in messages |
 //! | `guard.rs` | access control: hosts, origins, security headers, deadline |
-//! | `page.rs` | the built page, embedded |
+//! | `page.rs` | the built page and the description of the API, embedded |
+//! | `compression.rs` | compression of responses |
 //! | `work.rs` | computations on worker threads |
 //! | `ping.rs` | whether a studio answers |
 //! | `problem.rs` | errors as problem documents (RFC 9457) |

@@ -6,10 +6,11 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value};
 
 /// Line of a chapter that is replaced.
-pub(super) const MARKER: &str = "<!-- requests and types of studio/openapi.json -->";
+pub(super) const MARKER: &str =
+    "<!-- requests and types of crates/jointplay-studio/openapi.json -->";
 
 /// The description of the server in the repository.
-pub(super) const DESCRIPTION: &str = "studio/openapi.json";
+pub(super) const DESCRIPTION: &str = "crates/jointplay-studio/openapi.json";
 
 /// Names of references to types in the description.
 const TYPES: &str = "#/components/schemas/";

@@ -8,12 +8,13 @@ use super::results::{Anything, Extent, Joints, Needs, OfPlatform, PLACES, Result
 use super::{Column, Quantity, Status, singular_values};
 use crate::gpr::{Gpr, Limits};
 use crate::kernel::{
-    self, Balls, Found, Lanes, Mask, Method, Model, PlatformPoses, Shape, Task, Three,
+    self, Balls, ByPolynomials, Chosen, ClosedForm, Found, Lanes, Mask, Method, Model, Order,
+    PlatformPoses, Shape, Task, Three,
 };
-use crate::virtualization::signed_area;
+use crate::virtualization::{Solver, signed_area};
 
 /// The work cut into blocks.
-pub(super) struct Blocks<'w, 'b, M, W> {
+pub(super) struct Blocks<'w, 'b, M> {
     pub(super) rods: [Column<'w>; 3],
     pub(super) status: &'w mut [Status],
     pub(super) wanted: &'w mut [(Quantity, &'b mut [f64])],
@@ -21,7 +22,7 @@ pub(super) struct Blocks<'w, 'b, M, W> {
     /// `None` where limits are not checked.
     pub(super) limits: Option<Within>,
     pub(super) model: PhantomData<M>,
-    pub(super) method: W,
+    pub(super) method: Chosen<'w>,
 }
 
 /// Limits as a kernel checks them: poses within these are within the limits; of others the scalar kernel decides.
@@ -50,7 +51,7 @@ impl Within {
     }
 }
 
-impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, M, W> {
+impl<M: Model> WithSimd for Blocks<'_, '_, M> {
     /// Whether poses remain without an answer; their status is another than solved.
     type Output = bool;
 
@@ -58,22 +59,44 @@ impl<M: Model, W: Method> WithSimd for Blocks<'_, '_, M, W> {
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let needs = Needs::of(self.wanted);
         // Where a pose takes steps, or instructions are few, the loop for anything is as fast.
-        let fast = W::DIRECT && Lanes::<S>::COUNT > 2;
-        if fast && needs.only_joints {
-            self.all::<S, Joints>(simd, &needs)
-        } else if fast && needs.only_platform {
-            self.all::<S, OfPlatform>(simd, &needs)
-        } else {
-            self.all::<S, Anything>(simd, &needs)
+        let few = Lanes::<S>::COUNT > 2 && (needs.only_joints || needs.only_platform);
+        let Chosen(polynomials) = self.method;
+        match (polynomials, self.task.solver) {
+            (Some(polynomials), _) if few && M::SETTLES => match polynomials.order() {
+                Order::Three => self.few(simd, &needs, ByPolynomials::<3>(polynomials)),
+                Order::Four => self.few(simd, &needs, ByPolynomials::<4>(polynomials)),
+            },
+            (None, Solver::ClosedForm) if few && M::CLOSED_FORM => {
+                self.few(simd, &needs, ClosedForm)
+            }
+            (polynomials, _) => self.all::<S, _, Anything>(simd, &needs, Chosen(polynomials)),
         }
     }
 }
 
-impl<M: Model, W: Method> Blocks<'_, '_, M, W> {
+impl<M: Model> Blocks<'_, '_, M> {
+    /// Computes virtual joints and platforms, and nothing else.
+    #[inline(always)]
+    fn few<S: Simd, W: Method>(self, simd: S, needs: &Needs, method: W) -> bool {
+        if needs.only_joints {
+            self.all::<S, W, Joints>(simd, needs, method)
+        } else {
+            self.all::<S, W, OfPlatform>(simd, needs, method)
+        }
+    }
+
     /// Computes all poses; whether some remain without an answer.
     #[inline(always)]
-    fn all<S: Simd, E: Extent>(self, simd: S, needs: &Needs) -> bool {
-        let Self { rods: columns, status, wanted, task, limits, method, .. } = self;
+    fn all<S: Simd, W: Method, E: Extent>(self, simd: S, needs: &Needs, method: W) -> bool {
+        simd.vectorize(
+            #[inline(always)]
+            || self.each::<S, W, E>(simd, needs, method),
+        )
+    }
+
+    #[inline(always)]
+    fn each<S: Simd, W: Method, E: Extent>(self, simd: S, needs: &Needs, method: W) -> bool {
+        let Self { rods: columns, status, wanted, task, limits, .. } = self;
         let count = Lanes::<S>::COUNT;
         let poses = status.len();
         let (whole, blocks) = (poses / count, poses.div_ceil(count));

@@ -10,8 +10,7 @@ use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
 use crate::gpr::{Gpr, PlatformPose};
 use crate::kernel::{
-    ByPolynomials, ClosedForm, FirstStep, JointPolynomials, LeastNorm, Method, Model, Newton,
-    Offset, Order, Planar, Polar, Radial, Task,
+    Chosen, FirstStep, JointPolynomials, Model, Offset, Planar, Polar, Radial, Task,
 };
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
@@ -106,30 +105,18 @@ impl Work<'_, '_> {
                 let steepest = self.gpr.steepest();
                 self.polynomials =
                     self.polynomials.filter(|polynomials| polynomials.reach(steepest));
-                // What a model never asks for is not compiled for it.
-                match (task.solver, self.polynomials) {
-                    (Solver::ClosedForm, _) if M::CLOSED_FORM => {
-                        self.by_method::<M, _>(task, ClosedForm)
-                    }
-                    (_, Some(polynomials)) if M::SETTLES => match polynomials.order() {
-                        Order::Three => {
-                            self.by_method::<M, _>(task, ByPolynomials::<3>(polynomials))
-                        }
-                        Order::Four => {
-                            self.by_method::<M, _>(task, ByPolynomials::<4>(polynomials))
-                        }
-                    },
-                    (Solver::Newton, _) => self.by_method::<M, _>(task, Newton),
-                    _ => self.by_method::<M, _>(task, LeastNorm),
+                if task.solver == Solver::ClosedForm {
+                    self.polynomials = None;
                 }
+                self.by_blocks::<M>(task)
             }
             _ => self.one_by_one(0..self.status.len()),
         }
     }
 
-    fn by_method<M: Model, W: Method>(&mut self, task: Task<'_>, method: W) -> Result<(), Error> {
+    fn by_blocks<M: Model>(&mut self, task: Task<'_>) -> Result<(), Error> {
         let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
-        let model = PhantomData::<M>;
+        let (model, method) = (PhantomData::<M>, Chosen(self.polynomials));
         let (rods, status, wanted) = (self.rods, &mut *self.status, &mut *self.wanted);
         let blocks = Blocks { rods, status, wanted, task, limits, model, method };
         let doubtful = Arch::new().dispatch(blocks);
@@ -299,17 +286,6 @@ mod tests {
 
     const POSES: usize = 67;
 
-    fn vectorized<S: Simd, M: Model, W: Method>(
-        simd: S,
-        work: &mut Work<'_, '_>,
-        task: Task<'_>,
-        method: W,
-    ) -> bool {
-        let (rods, status, wanted) = (work.rods, &mut *work.status, &mut *work.wanted);
-        let model = PhantomData::<M>;
-        simd.vectorize(Blocks { rods, status, wanted, task, limits: None, model, method })
-    }
-
     /// What is computed with all kinds of registers.
     type Given<'g> = (
         &'g (dyn Virtualization + Sync),
@@ -319,22 +295,40 @@ mod tests {
     );
 
     /// Bits of all quantities of a virtualization, computed with one kind of registers, with the statuses.
+    ///
+    /// Where few quantities are wanted, another loop has the same bits.
     fn with<S: Simd, M: Model>(
         simd: S,
         gpr: &Gpr,
-        (virtualization, rods, options, polynomials): Given<'_>,
+        given: Given<'_>,
     ) -> (Vec<Vec<u64>>, Vec<Status>) {
+        let joints = given.0.joints().len();
+        let mut quantities: Vec<_> = (0..joints).map(Quantity::VirtualJoint).collect();
+        quantities.push(Quantity::Residual);
+        let of_joints = quantities.len();
+        quantities.extend((0..3).map(Quantity::Origin).chain((0..3).map(Quantity::Normal)));
+        quantities.push(Quantity::Torsion);
+        let of_platform = quantities.len();
         // Sensitivities are in the kernels too; the scalar kernel leaves them to a matrix library, which uses the processor as it likes.
-        let three =
-            [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::BallDisplacement];
-        let mut quantities: Vec<_> = three.iter().flat_map(|of| (0..3).map(of)).collect();
-        let joints = virtualization.joints().len();
-        quantities.extend((0..joints).map(Quantity::VirtualJoint));
+        quantities.extend((0..3).flat_map(|k| [Quantity::Side(k), Quantity::BallDisplacement(k)]));
         quantities.extend((0..joints).map(Quantity::VirtualDisplacement));
         quantities.extend((0..9).map(|k| Quantity::Rotation(k / 3, k % 3)));
-        quantities.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::Torsion]);
-        quantities.extend([Quantity::AxisHeight, Quantity::Displacement, Quantity::Residual]);
-        quantities.push(Quantity::Iterations);
+        quantities.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::AxisHeight]);
+        quantities.extend([Quantity::Displacement, Quantity::Iterations]);
+        let all = bits::<S, M>(simd, gpr, given, &quantities);
+        for few in [of_joints, of_platform] {
+            let (columns, status) = bits::<S, M>(simd, gpr, given, &quantities[..few]);
+            assert!(columns == all.0[..few] && status == all.1, "{few} columns");
+        }
+        all
+    }
+
+    fn bits<S: Simd, M: Model>(
+        simd: S,
+        gpr: &Gpr,
+        (virtualization, rods, options, polynomials): Given<'_>,
+        quantities: &[Quantity],
+    ) -> (Vec<Vec<u64>>, Vec<Status>) {
         let count = rods[0].len();
         let mut columns = vec![vec![0.0; count]; quantities.len()];
         let mut wanted: Vec<_> = quantities
@@ -356,21 +350,15 @@ mod tests {
         let length = options.metric.characteristic_length(gpr.platform()).unwrap();
         let first_step = FirstStep::new(gpr.platform(), virtualization, length);
         let task = Task::new::<M>(gpr.dimensions(), options, length);
-        let task = Task { first_step: first_step.as_ref(), ..task };
-        let all = &mut work;
-        let doubtful = match (polynomials, task.solver) {
-            (Some(polynomials), _) => match polynomials.order() {
-                Order::Three => {
-                    vectorized::<S, M, _>(simd, all, task, ByPolynomials::<3>(polynomials))
-                }
-                Order::Four => {
-                    vectorized::<S, M, _>(simd, all, task, ByPolynomials::<4>(polynomials))
-                }
-            },
-            (None, Solver::Newton) => vectorized::<S, M, _>(simd, all, task, Newton),
-            (None, Solver::LeastNorm) => vectorized::<S, M, _>(simd, all, task, LeastNorm),
-            (None, Solver::ClosedForm) => vectorized::<S, M, _>(simd, all, task, ClosedForm),
-        };
+        let doubtful = simd.vectorize(Blocks {
+            rods: work.rods,
+            status: &mut *work.status,
+            wanted: &mut *work.wanted,
+            task: Task { first_step: first_step.as_ref(), ..task },
+            limits: None,
+            model: PhantomData::<M>,
+            method: Chosen(polynomials),
+        });
         if doubtful {
             work.the_rest().unwrap();
         }

@@ -165,7 +165,7 @@ impl PoseSolver {
         self.gpr.dimensions().processor.run_wide(call)
     }
 
-    /// By the polynomials, or by the solver where there are none.
+    /// By the polynomials, or by the solver where a model never has any.
     #[inline(always)]
     fn single<S: Simd, M: Model, const POSE: bool>(
         &self,
@@ -173,12 +173,11 @@ impl PoseSolver {
         task: &Task<'_>,
         rods: &[f64; 3],
     ) -> Option<Single> {
-        // Nothing is compiled for polynomials that a model never has.
-        match &self.polynomials {
-            Some(polynomials) if M::SETTLES => {
-                Single::by_polynomials::<S, M, POSE>(simd, task, polynomials, rods)
-            }
-            _ => Single::new::<M>(task, rods),
+        if M::SETTLES {
+            let polynomials = self.polynomials.as_ref()?;
+            Single::by_polynomials::<S, M, POSE>(simd, task, polynomials, rods)
+        } else {
+            Single::new::<M>(task, rods)
         }
     }
 }

@@ -13,11 +13,10 @@ use super::shape::{Balls, Shape, Three};
 use super::solve::Method;
 
 /// By polynomials of degree 2 N, for the slopes that they are made for; nowhere else.
+#[derive(Clone, Copy)]
 pub(crate) struct ByPolynomials<'p, const N: usize>(pub(crate) &'p JointPolynomials);
 
 impl<const N: usize> Method for ByPolynomials<'_, N> {
-    const DIRECT: bool = true;
-
     #[inline(always)]
     fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         self.0.found::<S, M, N>(task, balls)

@@ -3,6 +3,7 @@
 //! A kernel answers where the answer is beyond doubt; all else, errors included, is left to [`solve`](crate::virtualization::solve).
 
 mod by_polynomials;
+mod chosen;
 mod found;
 mod geometry;
 mod joint_polynomials;
@@ -19,6 +20,7 @@ mod symmetric;
 mod trigonometry;
 
 pub(crate) use by_polynomials::ByPolynomials;
+pub(crate) use chosen::Chosen;
 pub(crate) use found::{Found, squared};
 pub(crate) use geometry::{FirstStep, Geometry, Task};
 pub(crate) use joint_polynomials::{JointPolynomials, Order, Sample};
@@ -27,5 +29,5 @@ pub(crate) use model::{Model, Offset, Planar, Polar, Radial};
 pub(crate) use pose::PlatformPoses;
 pub(crate) use shape::{Balls, Shape, Three};
 pub(crate) use single::{Single, SingleJoints, SinglePose};
-pub(crate) use solve::{ClosedForm, LeastNorm, Method, Newton};
+pub(crate) use solve::{ClosedForm, Method};
 pub(crate) use trigonometry::{angle_of, sin_cos};

@@ -18,11 +18,8 @@ use crate::virtualization::Solver;
 
 /// How a kernel finds the virtual joints.
 ///
-/// A type, so that a loop over poses is compiled for each: with all of them in one loop the registers do not suffice.
-pub(crate) trait Method {
-    /// Whether a pose takes no steps.
-    const DIRECT: bool;
-
+/// A type, so that a loop over poses can be compiled for each: with all of them in one loop the registers do not suffice.
+pub(crate) trait Method: Copy {
     fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S>;
 
     /// The platforms for the virtual joints found.
@@ -33,43 +30,26 @@ pub(crate) trait Method {
         balls: &Balls<S>,
         found: &Found<S>,
     ) -> PlatformPoses<S> {
-        let shape = Shape::at::<M>(geometry, found.a, found.b);
-        PlatformPoses::new(geometry, balls, &shape)
+        placed::<S, M>(geometry, balls, found)
     }
 }
 
-/// See [`Solver::Newton`].
-pub(crate) struct Newton;
-/// See [`Solver::LeastNorm`].
-pub(crate) struct LeastNorm;
+/// The platforms for virtual joints.
+#[inline(always)]
+pub(super) fn placed<S: Simd, M: Model>(
+    geometry: &Geometry,
+    balls: &Balls<S>,
+    found: &Found<S>,
+) -> PlatformPoses<S> {
+    let shape = Shape::at::<M>(geometry, found.a, found.b);
+    PlatformPoses::new(geometry, balls, &shape)
+}
+
 /// See [`Solver::ClosedForm`]; for virtualizations that have one.
+#[derive(Clone, Copy)]
 pub(crate) struct ClosedForm;
 
-impl Method for Newton {
-    const DIRECT: bool = false;
-
-    #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-        if M::AROUND_CENTER { polar::newton(task, balls) } else { newton::<S, M>(task, balls) }
-    }
-}
-
-impl Method for LeastNorm {
-    const DIRECT: bool = false;
-
-    #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-        if M::AROUND_CENTER {
-            polar::least_norm(task, balls)
-        } else {
-            least_norm::<S, M>(task, balls)
-        }
-    }
-}
-
 impl Method for ClosedForm {
-    const DIRECT: bool = true;
-
     #[inline(always)]
     fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         if M::TOWARD_SOCKET { radial(task, balls) } else { planar(task, balls) }
@@ -80,15 +60,18 @@ impl Method for ClosedForm {
 #[inline(always)]
 pub(crate) fn solved<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     match task.solver {
-        Solver::Newton => Newton.found::<S, M>(task, balls),
+        Solver::Newton => newton::<S, M>(task, balls),
         Solver::ClosedForm if M::CLOSED_FORM => ClosedForm.found::<S, M>(task, balls),
-        _ => LeastNorm.found::<S, M>(task, balls),
+        _ => least_norm::<S, M>(task, balls),
     }
 }
 
 /// Newton's method from nominal, see [`Solver::Newton`](crate::virtualization::Solver::Newton).
 #[inline(always)]
-fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+pub(super) fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    if M::AROUND_CENTER {
+        return polar::newton(task, balls);
+    }
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
     let at_start = balls.missing_at_start(task.geometry);
@@ -121,7 +104,10 @@ fn newton<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 ///
 /// Only where full steps do not overshoot; displacements of millimetres do.
 #[inline(always)]
-fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+pub(super) fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    if M::AROUND_CENTER {
+        return polar::least_norm(task, balls);
+    }
     let zero = balls.mean.like(0.0);
     let one = balls.mean.like(1.0);
     let bounds = balls.bounds(task.threshold);
