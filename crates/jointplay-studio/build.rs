@@ -12,7 +12,8 @@ use flate2::write::GzEncoder;
 const SENT: [(&str, &str); 2] = [("openapi.json", "/api/v1/openapi.json"), ("page", "")];
 
 fn main() -> io::Result<()> {
-    let folder = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
+    let folder = env::var_os("OUT_DIR").ok_or_else(|| io::Error::other("OUT_DIR is not set"))?;
+    let folder = PathBuf::from(folder);
     let mut files = Vec::new();
     for (sent, path) in SENT {
         println!("cargo::rerun-if-changed={sent}");

@@ -20,8 +20,9 @@ pub(crate) async fn compress(request: Request, next: Next) -> Response {
     let accepts = request.method() != Method::HEAD && accepts_gzip(request.headers());
     let response = next.run(request).await;
     let size = response.body().size_hint().exact();
-    let is_compressed = response.headers().contains_key(header::CONTENT_ENCODING);
-    if is_compressed || !size.is_some_and(|size| COMPRESSED_BYTES.contains(&size)) {
+    // What depends on the accepted encodings is in one of them already.
+    let is_chosen = response.headers().contains_key(header::VARY);
+    if is_chosen || !size.is_some_and(|size| COMPRESSED_BYTES.contains(&size)) {
         return response;
     }
     let (mut head, body) = response.into_parts();

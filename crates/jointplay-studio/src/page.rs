@@ -30,7 +30,7 @@ pub(crate) fn answer(method: &Method, path: &str, headers: &HeaderMap) -> Respon
         return Problem::request(StatusCode::NOT_FOUND, detail).into_response();
     };
     let keep = if name.starts_with(HASHED) { "max-age=31536000, immutable" } else { "no-cache" };
-    let kinds = [
+    let about = [
         (header::CONTENT_TYPE, kind(name)),
         (header::CACHE_CONTROL, keep),
         // Also of files that are not compressed: a cache must not send one of both for the other.
@@ -38,11 +38,11 @@ pub(crate) fn answer(method: &Method, path: &str, headers: &HeaderMap) -> Respon
     ];
     if accepts_gzip(headers) {
         let encoding = [(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"))];
-        return (kinds, encoding, *compressed).into_response();
+        return (about, encoding, *compressed).into_response();
     }
     let mut plain = Vec::new();
     match GzDecoder::new(*compressed).read_to_end(&mut plain) {
-        Ok(_) => (kinds, plain).into_response(),
+        Ok(_) => (about, plain).into_response(),
         Err(_) => Problem::broken("a file of the page is damaged").into_response(),
     }
 }

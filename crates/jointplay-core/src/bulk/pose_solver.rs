@@ -20,8 +20,8 @@ const SLOPE_MARGIN: f64 = 1.4;
 ///
 /// The virtual joints, and the place of the platform in the plane through the balls, are smooth functions of the slopes of this plane near level: they are interpolated by polynomials, to 10⁻¹³ of the longest side.
 /// Single poses use them with every solver; many poses where they reach the largest tilt of the robot, and no closed form is asked for, which takes less time.
-/// The first step of Newton's method is prepared.
-/// The sides of each pose are checked: where they are not met, or the tilt is larger, it is computed as by [`Gpr::forward`].
+/// The first step of Newton's method is prepared for many poses.
+/// The sides of each pose are checked: where they are not met, or the tilt is larger, or there are no polynomials, it is computed as by [`Gpr::forward`].
 ///
 /// ```
 /// use jointplay_core::bulk::PoseSolver;

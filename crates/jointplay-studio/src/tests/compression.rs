@@ -29,6 +29,8 @@ fn long_responses_are_compressed_for_clients_that_accept_it() {
     assert_eq!(plain.header("content-encoding"), "");
     // Before, only the compressed response had it, and a cache could send the plain one to all.
     assert_eq!(plain.header("vary"), "accept-encoding");
+    let vary = plain.headers.get_all("vary").iter().count();
+    assert_eq!(vary, 1, "once");
     for accepted in ["gzip", "br, GZIP;q=0.5", "deflate, gzip, zstd"] {
         let compressed = get(path, Some(accepted));
         assert_eq!(compressed.header("content-encoding"), "gzip", "{accepted}");
