@@ -39,17 +39,17 @@ async function append(words: string): Promise<void> {
   await page.keyboard.insertText(words);
 }
 
-/** Blocks requests of plans until the returned function is called. */
-async function hold(): Promise<() => Promise<void>> {
+/** Blocks requests, by default of plans, until the returned function is called. */
+async function hold(requests = '**/api/v1/cell/plan'): Promise<() => Promise<void>> {
   let release = () => undefined as void;
   const released = new Promise<void>((done) => (release = done));
-  await page.route('**/api/v1/cell/plan', async (route) => {
+  await page.route(requests, async (route) => {
     await released;
     await route.continue().catch(() => undefined);
   });
   return async () => {
     release();
-    await page.unroute('**/api/v1/cell/plan');
+    await page.unroute(requests);
   };
 }
 
@@ -271,17 +271,17 @@ test('another cell is opened and downloaded, and the files of the server remain'
   await checkResult('passed');
   await page.keyboard.press('Control+o');
   await page.getByTestId('open-file').setInputFiles({ name: 'other.toml', mimeType: 'text/plain', buffer: Buffer.from(other) });
-  await until('it is open', async () => (await file()) === 'other.toml, not on the server');
+  await expect.poll(file).toBe('other.toml, not on the server');
   await expect.poll(() => page.getByTestId('save').count()).toBe(0);
   await expect.poll(async () => (await text()).trim(), { message: 'the program of the server is not that of the other cell' }).toBe('');
   await editor().click();
   await page.keyboard.insertText(SHORT_PROGRAM);
   await checkResult('passed');
-  await expect.poll(() => file()).toBe('other.toml, not on the server: Unsaved changes');
+  await expect.poll(file).toBe('other.toml, not on the server: Unsaved changes');
   // Ctrl+S downloads the changed text.
   const [program] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('Control+s')]);
   expect([program.suggestedFilename(), (await bytesOf(program)).toString('utf8')]).toEqual(['other.program', SHORT_PROGRAM]);
-  await expect.poll(() => file()).toBe('other.toml, not on the server');
+  await expect.poll(file).toBe('other.toml, not on the server');
   const [cell] = await Promise.all([page.waitForEvent('download'), page.getByTestId('cell-download').click()]);
   expect([cell.suggestedFilename(), (await bytesOf(cell)).toString('utf8')]).toEqual(['other.toml', other]);
   // Undo returns to the files of the server with their unsaved changes.
@@ -289,13 +289,13 @@ test('another cell is opened and downloaded, and the files of the server remain'
   await undo.click();
   await until('the program is empty again', async () => (await text()).trim() === '');
   await undo.click();
-  await until('the file of the server is shown', async () => (await file()) === 'mine.toml: Unsaved changes');
+  await expect.poll(file).toBe('mine.toml: Unsaved changes');
   await expect.poll(() => text()).toContain('# mine');
   await page.getByRole('button', { name: 'Redo' }).click();
-  await until('the other cell is shown again', async () => (await file()).startsWith('other.toml, not on the server'));
+  await expect.poll(file).toContain('other.toml, not on the server');
   await page.keyboard.press('Control+o');
   await page.getByTestId('open-server-cell').click();
-  await until('the file of the server is loaded', async () => (await file()) === 'mine.toml');
+  await expect.poll(file).toBe('mine.toml');
   expect(saves).toEqual([]);
   expect([readFileSync(fixture.cellFile, 'utf8'), readFileSync(fixture.programFile, 'utf8')]).toEqual([EXAMPLE_CELL, SHORT_PROGRAM]);
   await checkResult('passed');
@@ -303,6 +303,19 @@ test('another cell is opened and downloaded, and the files of the server remain'
   await page.keyboard.press('Control+s');
   await until('it is saved', async () => readFileSync(fixture.programFile, 'utf8') === `${SHORT_PROGRAM}# saved\n`);
   expect(readFileSync(fixture.cellFile, 'utf8')).toBe(EXAMPLE_CELL);
+});
+
+test('a click in the dialog to open files arrives, though the samples are loaded while it lasts', async () => {
+  await append('# mine\n');
+  await checkResult('passed');
+  const release = await hold('**/api/v1/catalogue');
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-server-cell').hover();
+  await page.mouse.down();
+  await release();
+  await page.getByTestId('sample-delta').waitFor();
+  await page.mouse.up();
+  await expect.poll(() => page.getByTestId('cell-file').innerText()).toBe('mine.toml');
 });
 
 test('a cell and its program are opened together', async () => {
