@@ -84,6 +84,16 @@ test('typing makes the result outdated until the text is checked', async () => {
   await valid();
 });
 
+test('before the first plan, panels wait for it and report no errors', async () => {
+  const release = await hold();
+  await page.reload();
+  await page.getByText('Waiting for the plan…').waitFor();
+  await expect.poll(() => page.getByText('Waiting for the pose…').count()).toBe(2);
+  expect(await page.getByText('fix the errors').count()).toBe(0);
+  await release();
+  await valid();
+});
+
 test('typing a number makes the result outdated until its change is checked', async () => {
   await page.locator('summary', { hasText: 'LP2' }).click();
   await page.getByTestId('station-LP2-x').fill('-200');
