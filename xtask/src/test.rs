@@ -55,7 +55,7 @@ const SAME_CASES: (&str, &str) = ("PROPTEST_RNG_SEED", "1");
 const CLIPPY: &str = "clippy --workspace --all-targets --all-features -- -D warnings";
 
 /// The command as `cargo install` builds it, with default features alone; with other packages it would have the features that they ask for.
-const DEFAULT_FEATURES: &str = "clippy -p jointplay-cli --lib --bins -- -D warnings";
+const DEFAULT_FEATURES: &str = "clippy -p jointplay-cli --bins -- -D warnings";
 
 /// The documentation of all crates, in which a broken link is an error.
 const DOC: &str = "doc --workspace --all-features --no-deps";
@@ -289,7 +289,7 @@ mod tests {
             "cargo xtask words",
             "cargo xtask wasm --check",
             "cargo clippy --workspace --all-targets --all-features -- -D warnings",
-            "cargo clippy -p jointplay-cli --lib --bins -- -D warnings",
+            "cargo clippy -p jointplay-cli --bins -- -D warnings",
             &format!("RUSTDOCFLAGS=\"-D warnings\" cargo {DOC}"),
             "cargo xtask interface",
             "cargo xtask package",

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    ExitCode::from(jointplay_cli::run(std::env::args_os().collect()))
+    ExitCode::from(jointplay_commands::run(std::env::args_os().collect()))
 }

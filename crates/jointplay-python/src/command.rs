@@ -10,5 +10,5 @@ use pyo3::prelude::*;
 #[pyfunction]
 #[pyo3(signature = (arguments, /))]
 pub(crate) fn run_command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-    py.detach(|| jointplay_cli::run(arguments))
+    py.detach(|| jointplay_commands::run(arguments))
 }

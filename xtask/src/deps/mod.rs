@@ -149,19 +149,19 @@ mod tests {
         check_import("jointplay-interop", "jointplay-report", true);
         check_import("jointplay-format", "clap_complete", false);
         check_import("jointplay", "nalgebra", false);
-        check_import("jointplay-cli", "clap", true);
-        check_import("jointplay-cli", "jointplay-core", false);
+        check_import("jointplay-commands", "clap", true);
+        check_import("jointplay-commands", "jointplay-core", false);
         // A path is ours wherever it leads.
-        assert_eq!(check(&[package("jointplay-cli", &[("serde", true)])]).len(), 1);
+        assert_eq!(check(&[package("jointplay-commands", &[("serde", true)])]).len(), 1);
     }
 
     #[test]
     fn a_crate_without_ring_is_refused() {
         // The second finding is its import, though its name does not show that it is ours.
         let found =
-            check(&[package("helper", &[]), package("jointplay-cli", &[("helper", false)])]);
+            check(&[package("helper", &[]), package("jointplay-commands", &[("helper", false)])]);
         let paths: Vec<_> = found.iter().map(|f| f.path.as_str()).collect();
-        assert_eq!(paths, ["helper/Cargo.toml", "jointplay-cli/Cargo.toml"]);
+        assert_eq!(paths, ["helper/Cargo.toml", "jointplay-commands/Cargo.toml"]);
     }
 
     #[test]

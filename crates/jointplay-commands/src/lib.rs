@@ -1,6 +1,6 @@
-//! The `jointplay` command: reads flags and files, calls the library, prints.
+//! The commands of `jointplay`: read flags and files, call the library, print.
 //!
-//! [`run`] is the whole command, for the program of that name and for the Python package, which includes it.
+//! [`run`] is the whole program, for the package `jointplay-cli` and for the Python package, which includes it.
 //!
 //! | file | role |
 //! | --- | --- |
