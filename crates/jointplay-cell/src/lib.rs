@@ -39,6 +39,7 @@
 //! | `planner` | the [`IncrementalPlanner`] |
 //! | `kinematics_hash` | hash of the inputs of all poses of a cell |
 //! | `arm_placement` | poses of links, end effectors and wafers with deflected arms |
+//! | `columns` | columns of numbers, computed several rows at a time |
 //! | `extrema` | maxima and minima in one instruction each |
 //! | `conditions`, `validate` | conditions of numbers, and those that a cell has to fulfil |
 //! | `entity`, `error` | [`EntityId`] and [`CellError`] |
@@ -54,6 +55,7 @@ extern crate self as jointplay_cell;
 mod arm_placement;
 pub mod check;
 mod collision;
+mod columns;
 mod conditions;
 pub mod controller;
 pub mod displacement;

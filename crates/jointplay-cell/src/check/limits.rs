@@ -7,10 +7,10 @@ use super::slip::HeldWafer;
 use super::step_findings::{StepFindings, update_peak};
 use crate::CellError;
 use crate::collision::{MotionBoundModel, PoseError, SampledStep, Scene, UnknownPose};
-use crate::extrema::{larger, smaller};
+use crate::columns::{largest_magnitude, range};
 use crate::program::Step;
 use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, Positions};
-use crate::trajectory::{AxisState, axis_limits};
+use crate::trajectory::{AxisState, StateColumns, axis_limits};
 use crate::violation::{
     IntervalMerger, SampleTime, SampleViolation, Subject, ViolationKind, ViolationQuantity,
 };
@@ -60,6 +60,39 @@ struct LimitedAxis<'a> {
     limits: [f64; 3],
 }
 
+impl LimitedAxis<'_> {
+    /// Adds the violations of the limits of position, velocity, acceleration and jerk at all samples.
+    fn add_violations(
+        &self,
+        times: &[f64],
+        state: impl Fn(usize) -> AxisState,
+        violations: &mut IntervalMerger,
+    ) {
+        let Self { index, axis, limits } = *self;
+        let quantity = match axis.kind {
+            AxisKind::Rotary => ViolationQuantity::Angle,
+            AxisKind::Linear => ViolationQuantity::Length,
+        };
+        for (sample, &time) in times.iter().enumerate() {
+            let [position, rates @ ..] = state(sample);
+            let mut add = |kind: ViolationKind, severity: f64, value: f64, limit: f64| {
+                let subject = Subject { kind, first: index, second: 0 };
+                let violation = SampleViolation { subject, kind, severity, value, limit, quantity };
+                violations.add(SampleTime { time, sample }, violation, String::new);
+            };
+            if let Some(limit) = violated_limit(axis, position) {
+                add(ViolationKind::Position, (position - limit).abs(), position, limit);
+            }
+            let kinds = [ViolationKind::Velocity, ViolationKind::Acceleration, ViolationKind::Jerk];
+            for ((kind, limit), rate) in kinds.into_iter().zip(limits).zip(rates) {
+                if exceeds(rate.abs(), limit) {
+                    add(kind, rate.abs(), rate.abs(), limit);
+                }
+            }
+        }
+    }
+}
+
 impl StepFindings {
     /// Checks all samples of a window.
     pub(super) fn new(
@@ -89,11 +122,13 @@ impl StepFindings {
             let limits = axis_limits(robot, index, step);
             let limits = [limits.velocity, limits.acceleration, limits.jerk];
             let limited = LimitedAxis { index, axis, limits };
+            let at_rest = [sampled.from()[index], 0.0, 0.0, 0.0];
             if let Some((_, states)) = moving.next_if(|(moving, _)| **moving == index) {
-                findings.check_axis(&limited, times, states.iter().copied(), &mut violations);
-            } else if violated_limit(axis, sampled.from()[index]).is_some() {
-                let at_rest = std::iter::repeat([sampled.from()[index], 0.0, 0.0, 0.0]);
-                findings.check_axis(&limited, times, at_rest, &mut violations);
+                if !findings.check_axis(&limited, times, states) {
+                    limited.add_violations(times, |sample| states.at(sample), &mut violations);
+                }
+            } else if violated_limit(axis, at_rest[0]).is_some() {
+                limited.add_violations(times, |_| at_rest, &mut violations);
             }
         }
         findings.check_platform(scene, sampled, &mut violations);
@@ -110,63 +145,30 @@ impl StepFindings {
         findings
     }
 
-    /// Checks an axis at all samples.
+    /// Compares a moving axis with its limits; whether it is within them at all samples.
     fn check_axis(
         &mut self,
         limited: &LimitedAxis<'_>,
         times: &[f64],
-        states: impl Iterator<Item = AxisState> + Clone,
-        violations: &mut IntervalMerger,
-    ) {
+        states: &StateColumns,
+    ) -> bool {
         let LimitedAxis { index, axis, limits } = *limited;
-        // Range of the position, and the largest velocity, acceleration and jerk with their first samples.
-        let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut peaks = [(0.0_f64, 0); 3];
-        for (sample, (state, _)) in states.clone().zip(times).enumerate() {
-            (min, max) = (smaller(state[0], min), larger(state[0], max));
-            for (peak, value) in peaks.iter_mut().zip(&state[1..]) {
-                if value.abs() > peak.0 {
-                    *peak = (value.abs(), sample);
-                }
-            }
-        }
-        self.moved[index] = peaks[0].0 > 0.0;
+        let [positions, rates @ ..] = states.columns();
+        let peaks = rates.map(largest_magnitude);
+        self.moved[index] = peaks[0] > 0.0;
         let utilizations = [&mut self.velocity, &mut self.acceleration, &mut self.jerk];
-        for ((utilization, (value, sample)), limit) in
-            utilizations.into_iter().zip(peaks).zip(limits)
+        for (((utilization, column), value), limit) in
+            utilizations.into_iter().zip(rates).zip(peaks).zip(limits)
         {
-            if value > 0.0 {
-                let time = times[sample];
-                update_peak(utilization, Utilization { index, ratio: value / limit, time });
+            let ratio = value / limit;
+            if value > 0.0 && utilization.as_ref().is_none_or(|most| ratio >= most.ratio) {
+                let first = column.iter().position(|rate| rate.abs() == value);
+                let time = first.map_or(f64::NAN, |sample| times[sample]);
+                update_peak(utilization, Utilization { index, ratio, time });
             }
         }
-        let exceeds = |value: f64, limit: f64| value > limit * (1.0 + LIMIT_TOLERANCE);
-        let is_within_limits = violated_limit(axis, min).or(violated_limit(axis, max)).is_none()
-            && !peaks.iter().zip(limits).any(|(peak, limit)| exceeds(peak.0, limit));
-        if is_within_limits {
-            return;
-        }
-        let quantity = match axis.kind {
-            AxisKind::Rotary => ViolationQuantity::Angle,
-            AxisKind::Linear => ViolationQuantity::Length,
-        };
-        for (sample, (state, &time)) in states.zip(times).enumerate() {
-            let mut add = |kind: ViolationKind, severity: f64, value: f64, limit: f64| {
-                let subject = Subject { kind, first: index, second: 0 };
-                let violation = SampleViolation { subject, kind, severity, value, limit, quantity };
-                violations.add(SampleTime { time, sample }, violation, String::new);
-            };
-            let position = state[0];
-            if let Some(limit) = violated_limit(axis, position) {
-                add(ViolationKind::Position, (position - limit).abs(), position, limit);
-            }
-            let kinds = [ViolationKind::Velocity, ViolationKind::Acceleration, ViolationKind::Jerk];
-            for ((kind, limit), value) in kinds.into_iter().zip(limits).zip(&state[1..]) {
-                if exceeds(value.abs(), limit) {
-                    add(kind, value.abs(), value.abs(), limit);
-                }
-            }
-        }
+        range(positions).iter().all(|&position| violated_limit(axis, position).is_none())
+            && !peaks.iter().zip(limits).any(|(&peak, limit)| exceeds(peak, limit))
     }
 
     /// Checks the platform at all samples, and finds the runs of samples at which all poses are known.
@@ -300,9 +302,9 @@ impl<'a> PlatformStates<'a> {
 
     /// The largest tilt and the largest play; `None` where a state is unknown.
     fn most(&self) -> Option<PlatformState> {
-        let most = |values: &[f64]| values.iter().fold(0.0, |most, &value| larger(value, most));
         let are_known = self.status.iter().all(|status| *status == Status::Solved);
-        are_known.then(|| PlatformState { tilt: most(&self.tilts), play: most(&self.plays) })
+        let most = [&self.tilts, &self.plays].map(|values| largest_magnitude(values));
+        are_known.then_some(PlatformState { tilt: most[0], play: most[1] })
     }
 
     /// State at a sample; where the columns have none, the single-pose solver states the reason.
@@ -319,6 +321,11 @@ impl<'a> PlatformStates<'a> {
         let play = self.robot.model.displacement(&self.robot.gpr, &platform);
         Ok(PlatformState { tilt: platform.tilt().angle, play })
     }
+}
+
+/// Whether a magnitude exceeds its limit by more than round-off.
+fn exceeds(value: f64, limit: f64) -> bool {
+    value > limit * (1.0 + LIMIT_TOLERANCE)
 }
 
 /// The position limit that a position violates.

@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use crate::collision::{AxisStates, MotionBoundModel, SampledStep, Scene, droop_bounds};
-use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
+use crate::columns::map_rows;
+use crate::extrema::larger;
+use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, PlanarMotions, RODS};
 use crate::wafer::{DroopBounds, FrictionDemand, MIN_REACH};
 
 /// Factor of the bound for effects that it neglects.
@@ -43,16 +45,7 @@ impl<'a> HeldWafer<'a> {
         let rods = sampled.axis_states(&[0, 1, 2]);
         let arm = sampled.axis_states(scene.chain(effector).axes());
         let droop = droop_bounds(scene.cell, effector);
-        let inputs = VariationInputs {
-            scene,
-            effector,
-            sampled,
-            bounds,
-            rods: &rods,
-            arm: &arm,
-            tilt,
-            droop: &droop,
-        };
+        let inputs = VariationInputs { scene, effector, sampled, bounds, tilt, droop: &droop };
         let variation = inputs.accumulate();
         let sin_tilt = tilt.sin() + droop.value.slope;
         let evaluated = Vec::new();
@@ -144,8 +137,6 @@ struct VariationInputs<'i> {
     effector: EffectorId,
     sampled: &'i SampledStep,
     bounds: &'i MotionBoundModel,
-    rods: &'i AxisStates<'i, RODS>,
-    arm: &'i AxisStates<'i, MAX_JOINTS>,
     /// Largest tilt of the platform in the step (rad).
     tilt: f64,
     droop: &'i DroopBounds,
@@ -168,65 +159,123 @@ impl VariationInputs<'_> {
     /// R: radius of the wafer; b: lever arm of friction against rotation.
     /// d, s: drop and slope of the deflection at the reach l, with derivatives with respect to the reach.
     fn accumulate(&self) -> Vec<ForceVariation> {
-        let Self { scene, effector, sampled, bounds, rods, arm, tilt, droop } = *self;
+        let Self { scene, effector, sampled, bounds, tilt, droop } = *self;
         let cell = scene.cell;
         let chain = scene.chain(effector);
         let described = &cell.robot.arms[effector.arm].effectors[effector.effector];
         let radius = 0.5 * cell.wafer.diameter;
         let torsion_radius = 0.5 * radius * radius / described.support.lever(&cell.wafer);
-        let (moving, count) = (sampled.moving_axes().moving(), sampled.times().len());
+        let (moving, count) = (sampled.moving_axes(), sampled.times().len());
         let [x, y, _] = cell.robot.arms[effector.arm].mount;
         let mount_radius = x.hypot(y);
-        let rods_move = moving.first().is_some_and(|&axis| axis < RODS);
-        let arm_moves = moving.iter().any(|axis| chain.axes().contains(axis));
-        let mut before = rods.at(0);
-        let mut previous = chain.motion_in_wafer_frame(&arm.at(0));
+        let rods_move = moving.moving().first().is_some_and(|&axis| axis < RODS);
+        let arm_moves = moving.moving().iter().any(|axis| chain.axes().contains(axis));
+        let states = |axis: usize| moving.states_of(axis, sampled.from()[axis]);
+        let arm: Vec<_> = chain.axes().iter().map(|&axis| states(axis)).collect();
+        let rows = if arm_moves { count } else { 1 };
+        let arm: Vec<[&[f64]; 3]> = arm
+            .iter()
+            .map(|states| {
+                let [positions, velocities, accelerations, _] = states.columns();
+                [positions, velocities, accelerations].map(|column| &column[..rows])
+            })
+            .collect();
+        let PlanarMotions(motions) = chain.motions_in_wafer_frame(&arm);
+        let height = chain.height().abs();
+        let at_rest = [0.0, 0.0, 0.0, 0.0, motions[0][0].hypot(motions[1][0]) + height];
+        let mut on_platform = at_rest.map(|value| vec![value; count - 1]);
+        let mut changes = [vec![0.0; count - 1], vec![0.0; count - 1]];
+        if arm_moves {
+            let [change, _] = &mut changes;
+            let [displacement, turn, speed, velocity_change, radius] = &mut on_platform;
+            map_rows(
+                pairs(motions.each_ref().map(Vec::as_slice)),
+                [change, displacement, turn, speed, velocity_change, radius],
+                #[inline(always)]
+                |pair: [f64; 18]| {
+                    let (before, after) = pair.split_at(9);
+                    let change = |k: usize| after[k] - before[k];
+                    let length = |x: f64, y: f64| (x * x + y * y).sqrt();
+                    let distance = length(before[0], before[1]);
+                    let speed = length(before[2], before[3]);
+                    let acceleration = length(before[4], before[5]);
+                    let displacement = length(change(0), change(1));
+                    let velocity_change = length(change(2), change(3));
+                    let acceleration_change = length(change(4), change(5));
+                    let turn = change(6).abs();
+                    let reach = larger((distance - mount_radius).abs(), MIN_REACH);
+                    let transport = acceleration * displacement
+                        + speed * (4.0 * velocity_change + speed * displacement / reach);
+                    let slope_change = (droop.by_reach.slope + droop.slope_per_reach)
+                        * displacement
+                        + droop.value.slope * turn;
+                    let change = (1.0 + droop.by_reach.drop) * acceleration_change
+                        + (droop.by_reach.drop / reach + 3.0 * droop.second_by_reach.drop)
+                            * transport
+                        + (cell.gravity + acceleration) * slope_change
+                        + cell.gravity * tilt * turn
+                        + torsion_radius * change(8).abs();
+                    [change, displacement, turn, speed, velocity_change, distance + height]
+                },
+            );
+        }
+        let mut heave = vec![0.0; count - 1];
+        if rods_move {
+            let rods = [0, 1, 2].map(states);
+            let [rod_1, rod_2, rod_3] = rods.each_ref().map(|rod| rod.columns());
+            let by_order = |order: usize| [rod_1[order], rod_2[order], rod_3[order]];
+            let [lengths, velocities, accelerations] = [0, 1, 2].map(by_order);
+            let columns: [&[f64]; 9] =
+                std::array::from_fn(|k| [lengths, velocities, accelerations][k / RODS][k % RODS]);
+            let pairs: [&[f64]; 18] = pairs(columns);
+            let inputs: [&[f64]; 23] = std::array::from_fn(|k| match k.checked_sub(18) {
+                None => pairs[k],
+                Some(k) => &on_platform[k],
+            });
+            let [_, by_rods] = &mut changes;
+            map_rows(
+                inputs,
+                [by_rods, &mut heave],
+                #[inline(always)]
+                |row| {
+                    let [.., displacement, turn, speed, velocity_change, radius] = row;
+                    let after = |order: usize| -> [f64; RODS] {
+                        std::array::from_fn(|rod| row[9 + RODS * order + rod])
+                    };
+                    let difference = |order: usize| -> [f64; RODS] {
+                        std::array::from_fn(|rod| after(order)[rod] - row[RODS * order + rod])
+                    };
+                    let rate = |order: usize| INFLATION * bounds.tilt_bound(&after(order));
+                    let [tilt_change, tilt_velocity, tilt_acceleration] =
+                        [0, 1, 2].map(|order| INFLATION * bounds.tilt_bound(&difference(order)));
+                    let change = tilt_acceleration * radius
+                        + rate(2) * (displacement + turn * radius)
+                        + 2.0
+                            * (tilt_velocity * speed + rate(1) * (velocity_change + turn * speed))
+                        + 2.0 * cell.gravity * tilt_change;
+                    [change, INFLATION * bounds.heave_bound(&difference(2))]
+                },
+            );
+        }
         let mut total = ForceVariation::default();
         let mut variation = Vec::with_capacity(count);
         variation.push(total);
-        for sample in 1..count {
-            let mut change = 0.0;
-            let now =
-                if arm_moves { chain.motion_in_wafer_frame(&arm.at(sample)) } else { previous };
-            let [turn, _, heading_acceleration] =
-                std::array::from_fn(|k| (now.heading[k] - previous.heading[k]).abs());
-            let (speed, wafer_radius) =
-                (previous.velocity.norm(), previous.position.norm() + chain.height().abs());
-            let displacement = (now.position - previous.position).norm();
-            let velocity_change = (now.velocity - previous.velocity).norm();
-            if arm_moves {
-                let acceleration_change = (now.acceleration - previous.acceleration).norm();
-                let reach = (previous.position.norm() - mount_radius).abs().max(MIN_REACH);
-                let acceleration = previous.acceleration.norm();
-                let transport = acceleration * displacement
-                    + speed * (4.0 * velocity_change + speed * displacement / reach);
-                let slope_change = (droop.by_reach.slope + droop.slope_per_reach) * displacement
-                    + droop.value.slope * turn;
-                change += (1.0 + droop.by_reach.drop) * acceleration_change
-                    + (droop.by_reach.drop / reach + 3.0 * droop.second_by_reach.drop) * transport
-                    + (cell.gravity + acceleration) * slope_change
-                    + cell.gravity * tilt * turn
-                    + torsion_radius * heading_acceleration;
-            }
-            if rods_move {
-                let after = rods.at(sample);
-                let difference = |order: usize| -> [f64; RODS] {
-                    std::array::from_fn(|rod| after[order][rod] - before[order][rod])
-                };
-                let rate = |order: usize| INFLATION * bounds.tilt_bound(&after[order]);
-                let [tilt_change, tilt_velocity, tilt_acceleration] =
-                    [0, 1, 2].map(|order| INFLATION * bounds.tilt_bound(&difference(order)));
-                total.vertical += INFLATION * bounds.heave_bound(&difference(2));
-                change += tilt_acceleration * wafer_radius
-                    + rate(2) * (displacement + turn * wafer_radius)
-                    + 2.0 * (tilt_velocity * speed + rate(1) * (velocity_change + turn * speed))
-                    + 2.0 * cell.gravity * tilt_change;
-                before = after;
-            }
-            previous = now;
-            total.any_direction += INFLATION * change;
-            variation.push(total);
-        }
+        let [by_arm, by_rods] = changes;
+        variation.extend(by_arm.iter().zip(&by_rods).zip(&heave).map(
+            |((by_arm, by_rods), heave)| {
+                total.any_direction += INFLATION * (by_arm + by_rods);
+                total.vertical += heave;
+                total
+            },
+        ));
         variation
     }
+}
+
+/// Each column without its last row, then each without its first: pairs of successive rows.
+fn pairs<const N: usize, const M: usize>(columns: [&[f64]; N]) -> [&[f64]; M] {
+    std::array::from_fn(|k| match columns.get(k) {
+        Some(column) => &column[..column.len() - 1],
+        None => &columns[k - N][1..],
+    })
 }

@@ -1,11 +1,11 @@
 //! States of some axes, sample by sample.
 
-use crate::trajectory::AxisState;
+use crate::trajectory::StateColumns;
 
 /// States of some axes at the samples of a window.
 pub(crate) struct AxisStates<'a, const N: usize> {
     /// States by sample, of axes that move.
-    pub(super) moving: [Option<&'a [AxisState]>; N],
+    pub(super) moving: [Option<&'a StateColumns>; N],
     /// Positions of the axes that do not move (m or rad).
     pub(super) fixed: [f64; N],
 }
@@ -16,8 +16,8 @@ impl<const N: usize> AxisStates<'_, N> {
         let mut states = [self.fixed, [0.0; N], [0.0; N]];
         for (index, moving) in self.moving.iter().enumerate() {
             if let Some(moving) = moving {
-                for (order, values) in states.iter_mut().enumerate() {
-                    values[index] = moving[sample][order];
+                for (values, column) in states.iter_mut().zip(moving.columns()) {
+                    values[index] = column[sample];
                 }
             }
         }

@@ -8,7 +8,8 @@ use nalgebra::Vector2;
 
 use super::in_plane_motion::{InPlaneMotion, InPlaneRates};
 use super::motion_bound_coefficients::MotionBoundCoefficients;
-use crate::extrema::{larger, smaller};
+use crate::columns::map_rows;
+use crate::extrema::{larger, raise, smaller};
 use crate::robot::{HybridRobot, KinematicLimits, MAX_AXES, RODS};
 use crate::trajectory::{AxisSampler, AxisState};
 
@@ -79,6 +80,12 @@ pub(crate) struct CumulativeAxisTravel {
     axes: Vec<Vec<[f64; 3]>>,
     /// Travel of the platform's origin, rotation of its normal, and rotation about the normal; empty while no rod moves.
     platform: Vec<[f64; 3]>,
+    /// Time between each sample and the next (s).
+    intervals: Vec<f64>,
+    /// Largest travel of a rod from each sample to the next (m).
+    largest: Vec<f64>,
+    /// Columns of intermediate results.
+    buffers: [Vec<f64>; 3],
 }
 
 impl CumulativeAxisTravel {
@@ -97,66 +104,85 @@ impl CumulativeAxisTravel {
         if self.axes.len() < moving.len() {
             self.axes.resize_with(moving.len(), Vec::new);
         }
-        self.platform.clear();
-        if moving.first().is_some_and(|&axis| axis < RODS) {
-            self.platform.resize(times.len(), [0.0; 3]);
-        }
-        for (index, (&axis, states)) in moving.iter().zip(states).enumerate() {
-            let sums = &mut self.axes[index];
-            sums.clear();
+        let count = times.len() - 1;
+        self.intervals.clear();
+        self.intervals.extend(times.windows(2).map(|pair| pair[1] - pair[0]));
+        self.largest.clear();
+        self.largest.resize(count, 0.0);
+        self.buffers.iter_mut().for_each(|buffer| buffer.resize(count, 0.0));
+        for ((&axis, states), sums) in moving.iter().zip(states).zip(&mut self.axes) {
+            let [_, v, a, j] = states.columns();
+            let [travels, accelerations, squares] = self.buffers.each_mut().map(Vec::as_mut_slice);
+            let limits = bounds.limits[axis];
+            map_rows(
+                [&self.intervals, &v[..count], &v[1..], &a[..count], &a[1..], &j[..count], &j[1..]],
+                [&mut *travels, &mut *accelerations, &mut *squares],
+                |[dt, v_0, v_1, a_0, a_1, j_0, j_1]| {
+                    // Samples do not show the jerk between them.
+                    let jerk = larger(j_0.abs(), larger(j_1.abs(), limits.jerk));
+                    let acceleration = bound_between(dt, [a_0, a_1], jerk, limits.acceleration);
+                    let speed = bound_between(dt, [v_0, v_1], acceleration, limits.velocity);
+                    let travel = dt * speed;
+                    [travel, dt * acceleration, travel * speed]
+                },
+            );
             let mut total = [0.0; 3];
+            sums.clear();
             sums.push(total);
-            for (k, pair) in states.windows(2).enumerate() {
-                let dt = times[k + 1] - times[k];
-                let [speed, acceleration] =
-                    bounds.speed_and_acceleration_bound(dt, axis, [&pair[0], &pair[1]]);
-                let travel = dt * speed;
-                let increments = [travel, dt * acceleration, travel * speed];
-                for (sum, more) in total.iter_mut().zip(increments) {
-                    *sum += more;
-                }
-                sums.push(total);
-                if axis < RODS {
-                    // The largest travel of a rod so far; `accumulate_tilt` replaces it by the travel of the origin.
-                    let [largest, ..] = &mut self.platform[k + 1];
-                    *largest = larger(travel, *largest);
+            let increments = travels.iter().zip(&*accelerations).zip(&*squares);
+            sums.extend(increments.map(|((travel, acceleration), square)| {
+                total[0] += travel;
+                total[1] += acceleration;
+                total[2] += square;
+                total
+            }));
+            if axis < RODS {
+                for (largest, travel) in self.largest.iter_mut().zip(&*travels) {
+                    raise(largest, *travel);
                 }
             }
         }
-        if !self.platform.is_empty() {
-            self.accumulate_tilt(bounds, times, from, sampler);
+        self.platform.clear();
+        if moving.first().is_some_and(|&axis| axis < RODS) {
+            self.accumulate_tilt(bounds, from, sampler);
         }
     }
 
     /// Accumulates the travel of the platform: its origin by the weighted travel of the rods, its normal by the differences of their velocities.
-    fn accumulate_tilt(
-        &mut self,
-        bounds: &MotionBoundModel,
-        times: &[f64],
-        from: &[f64],
-        sampler: &AxisSampler,
-    ) {
-        let rods: [Option<&Vec<AxisState>>; RODS] = std::array::from_fn(|rod| {
-            let index = sampler.moving().iter().position(|&axis| axis == rod)?;
-            Some(&sampler.states()[index])
-        });
-        let rod_states = |sample: usize| -> [AxisState; RODS] {
-            let at_rest = |rod: usize| [from[rod], 0.0, 0.0, 0.0];
-            std::array::from_fn(|rod| rods[rod].map_or(at_rest(rod), |states| states[sample]))
-        };
-        let mut first = bounds.tilt_motion(&rod_states(0));
+    fn accumulate_tilt(&mut self, bounds: &MotionBoundModel, from: &[f64], sampler: &AxisSampler) {
+        let count = self.intervals.len();
+        let rods: [_; RODS] = std::array::from_fn(|rod| sampler.states_of(rod, from[rod]));
+        // The time to the next sample, then the states of all rods at the sample, then those at the next.
+        let mut inputs = [&self.intervals[..]; 1 + 2 * 4 * RODS];
+        for (rod, states) in rods.iter().enumerate() {
+            for (order, column) in states.columns().into_iter().enumerate() {
+                inputs[1 + 4 * rod + order] = &column[..count];
+                inputs[1 + 4 * (RODS + rod) + order] = &column[1..];
+            }
+        }
+        let [rotations, slopes, _] = self.buffers.each_mut().map(Vec::as_mut_slice);
+        map_rows(
+            inputs,
+            [&mut *rotations, &mut *slopes],
+            #[inline(always)]
+            |[dt, states @ ..]| {
+                let (states, _) = states.as_chunks::<4>();
+                let first = bounds.tilt_motion([&states[0], &states[1], &states[2]]);
+                let last = bounds.tilt_motion([&states[3], &states[4], &states[5]]);
+                let rotation = bounds.normal_rotation(dt, [&first, &last]);
+                [rotation, 0.5 * (first.slope + last.slope + rotation)]
+            },
+        );
         let mut total = [0.0; 3];
-        for k in 1..times.len() {
-            let last = bounds.tilt_motion(&rod_states(k));
-            let rotation = bounds.normal_rotation(times[k] - times[k - 1], [&first, &last]);
-            let InPlaneRates { shift, torsion } =
-                bounds.in_plane.rates(0.5 * (first.slope + last.slope + rotation));
-            total[0] += bounds.weight_sum * self.platform[k][0] + rotation * shift;
+        self.platform.push(total);
+        let rows = self.largest.iter().zip(&*rotations).zip(&*slopes);
+        self.platform.extend(rows.map(|((largest, rotation), slope)| {
+            let InPlaneRates { shift, torsion } = bounds.in_plane.rates(*slope);
+            total[0] += bounds.weight_sum * largest + rotation * shift;
             total[1] += rotation;
             total[2] += rotation * torsion;
-            self.platform[k] = total;
-            first = last;
-        }
+            total
+        }));
     }
 
     /// Travel between two samples.
@@ -241,22 +267,9 @@ impl MotionBoundModel {
         self.weight_sum * rods.fold(0.0, f64::max) + radius.fold(0.0, f64::max)
     }
 
-    /// Upper bounds of the speed (m/s or rad/s) and acceleration (m/s² or rad/s²) of an axis between two samples.
-    fn speed_and_acceleration_bound(
-        &self,
-        dt: f64,
-        axis: usize,
-        [from, to]: [&AxisState; 2],
-    ) -> [f64; 2] {
-        let limits = &self.limits[axis];
-        let jerk = larger(from[3].abs(), larger(to[3].abs(), limits.jerk));
-        let acceleration = bound_between(dt, [from[2], to[2]], jerk, limits.acceleration);
-        let speed = bound_between(dt, [from[1], to[1]], acceleration, limits.velocity);
-        [speed, acceleration]
-    }
-
     /// Motion of the platform's tilt by the states of the rods.
-    fn tilt_motion(&self, rods: &[AxisState; RODS]) -> TiltMotion {
+    #[inline(always)]
+    fn tilt_motion(&self, rods: [&AxisState; RODS]) -> TiltMotion {
         let deviations = |order: usize| -> [f64; RODS] {
             let mean = (rods[0][order] + rods[1][order] + rods[2][order]) / 3.0;
             rods.map(|state| state[order] - mean)
@@ -271,6 +284,7 @@ impl MotionBoundModel {
     }
 
     /// Upper bound of the rotation of the platform's normal between two samples (rad): the travel of the plane's slope.
+    #[inline(always)]
     fn normal_rotation(&self, dt: f64, [from, to]: [&TiltMotion; 2]) -> f64 {
         let KinematicLimits { velocity, acceleration, jerk } = self.rod_limits;
         // A deviation from the mean is at most twice the largest.
@@ -286,14 +300,16 @@ impl MotionBoundModel {
     }
 
     /// Upper bound of the rotation of the platform's normal by displacements of the rods (rad); of its rate by their velocities.
+    #[inline(always)]
     pub(crate) fn tilt_bound(&self, rods: &[f64; RODS]) -> f64 {
         let mean = (rods[0] + rods[1] + rods[2]) / 3.0;
         (0..RODS).map(|rod| (rods[rod] - mean).abs() / self.heights[rod]).sum::<f64>()
     }
 
     /// Upper bound of the vertical displacement of the platform's origin by displacements of the rods (m); of its rate by their velocities.
+    #[inline(always)]
     pub(crate) fn heave_bound(&self, rods: &[f64; RODS]) -> f64 {
-        self.weight_sum * rods.iter().fold(0.0, |most: f64, rod| most.max(rod.abs()))
+        self.weight_sum * rods.iter().fold(0.0, |most, rod| larger(rod.abs(), most))
     }
 
     /// Upper bounds of the displacement of any point of an object.
@@ -344,6 +360,7 @@ fn largest_limits(one: KinematicLimits, other: KinematicLimits) -> KinematicLimi
 /// Upper bound of the magnitude between two values of a quantity whose rate is bounded, and which has a limit.
 ///
 /// The travel at a speed with this bound is additive over parts of the interval: in half of the time at most half.
+#[inline(always)]
 fn bound_between(dt: f64, [first, last]: [f64; 2], rate: f64, limit: f64) -> f64 {
     let [first, last] = [first.abs(), last.abs()];
     let limit = larger(first, larger(last, limit));

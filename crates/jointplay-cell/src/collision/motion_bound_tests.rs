@@ -22,7 +22,7 @@ use super::scene::Scene;
 use crate::EntityId;
 use crate::geometry::{ColliderCache, Shape};
 use crate::program::Step;
-use crate::robot::{AxisKind, PlatformModel, RODS};
+use crate::robot::{AxisKind, PlanarMotions, PlatformModel, RODS};
 use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, joint_space_line, plan_trajectory};
 use crate::wafer::{Droop, DroopRow};
 use crate::workcell::{Body, Cell, ParentFrame};
@@ -250,6 +250,96 @@ fn no_point_travels_farther_than_its_bound() {
     assert!(intervals > 1000 && steepest > 0.5, "{intervals} {steepest}");
     // The bounds are of some use.
     assert!(tightest > 0.9, "{tightest}");
+}
+
+#[test]
+fn columns_hold_the_states_of_all_axes_and_the_motions_of_all_wafers() {
+    let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]);
+    let (mut blended, mut compared) = (0, 0);
+    for round in 0..120 {
+        let (cell, tilt_max) = cell(&mut random, round);
+        let stops: Vec<Vec<f64>> =
+            (0..3).map(|_| positions(&mut random, &cell, tilt_max)).collect();
+        let moves = |(k, ends): (usize, &[Vec<f64>])| Step {
+            blend_radius: [0.0, 0.05][round % 2],
+            ..common::step(k, &ends[0], &ends[1])
+        };
+        let steps: Vec<Step> = stops.windows(2).enumerate().map(moves).collect();
+        let Ok(motion) = plan_trajectory(&cell, steps, &TrajectoryOptions::default()) else {
+            continue;
+        };
+        blended += usize::from(motion.blend(0).is_some());
+        let mut cache = ColliderCache::default();
+        cache.begin();
+        let scene = Scene::new(&cell, &mut cache);
+        let bounds = MotionBoundModel::new(&cell.robot);
+        let mut sampled = SampledStep::default();
+        for step in 0..2 {
+            let samples = SampleWindows::new(&motion, step, 70.0);
+            sampled.begin(&motion, step, 0, &samples, &bounds);
+            let axes = sampled.moving_axes();
+            let states: Vec<_> = (0..cell.robot.axes.len())
+                .map(|axis| axes.states_of(axis, motion.steps[step].from[axis]))
+                .collect();
+            for (k, &time) in sampled.times().iter().enumerate() {
+                let expected = motion.sample_in_step(step, time);
+                for (axis, states) in states.iter().enumerate() {
+                    let [position, velocity, acceleration, _] = states.at(k);
+                    let found = [position, velocity, acceleration];
+                    let expected = [
+                        expected.positions[axis],
+                        expected.velocities[axis],
+                        expected.accelerations[axis],
+                    ];
+                    for (found, expected) in found.into_iter().zip(expected) {
+                        assert!((found - expected).abs() < 1e-9, "{round}: {found} {expected}");
+                    }
+                }
+                compared += 1;
+            }
+            for id in cell.robot.effectors() {
+                let chain = scene.chain(id);
+                let columns: Vec<[&[f64]; 3]> = chain
+                    .axes()
+                    .iter()
+                    .map(|&axis| {
+                        let [positions, velocities, accelerations, _] = states[axis].columns();
+                        [positions, velocities, accelerations]
+                    })
+                    .collect();
+                let PlanarMotions(motions) = chain.motions_in_wafer_frame(&columns);
+                let heading = |pose: &Pose| pose.rotation[(1, 0)].atan2(pose.rotation[(0, 0)]);
+                let nominal = heading(&chain.wafer_motion(&Default::default()).base_from_frame);
+                for k in 0..sampled.times().len() {
+                    let mut at = <[[f64; 4]; 3]>::default();
+                    for (axis, columns) in columns.iter().enumerate() {
+                        for order in 0..3 {
+                            at[order][axis] = columns[order][k];
+                        }
+                    }
+                    let expected = chain.wafer_motion(&at);
+                    let turn = heading(&expected.base_from_frame) - nominal;
+                    let to_wafer = Rotation3::new(-Vector3::z() * turn);
+                    let vectors = [
+                        expected.base_from_frame.translation.vector,
+                        expected.velocity,
+                        expected.acceleration,
+                    ];
+                    for (order, vector) in vectors.into_iter().enumerate() {
+                        let expected = to_wafer * vector;
+                        let found = [motions[2 * order][k], motions[2 * order + 1][k]];
+                        let error = (found[0] - expected.x).hypot(found[1] - expected.y);
+                        assert!(error < 1e-10 * (1.0 + vector.norm()), "{round}: {error}");
+                    }
+                    let turned = (motions[6][k] - turn).rem_euclid(std::f64::consts::TAU);
+                    assert!(turned.min(std::f64::consts::TAU - turned) < 1e-10, "{round}");
+                    assert!((motions[7][k] - expected.angular_velocity.z).abs() < 1e-12);
+                    assert!((motions[8][k] - expected.angular_acceleration.z).abs() < 1e-10);
+                }
+            }
+        }
+    }
+    assert!(blended > 20 && compared > 2000, "{blended} {compared}");
 }
 
 #[test]

@@ -15,7 +15,7 @@ use super::swept_aabb::{SweptAabb, union};
 use super::unknown_pose::UnknownPose;
 use crate::geometry::Interval;
 use crate::robot::{Positions, RODS};
-use crate::trajectory::{AxisSampler, AxisState, Trajectory};
+use crate::trajectory::{AxisSampler, StateColumns, Trajectory};
 use crate::violation::{SampleTime, ViolationKind};
 
 /// Least number of samples in one box of a swept AABB.
@@ -117,14 +117,13 @@ impl SampledStep {
         let any_moves = states.iter().any(Option::is_some);
         let len = if any_moves { self.times.len() } else { 1 };
         std::array::from_fn(|rod| match states[rod] {
-            Some(states) => Column::strided(states.as_flattened(), states[0].len(), len)
-                .expect("there is a state for each sample"),
+            Some(states) => Column::from(states.columns()[0]),
             None => Column::constant(&self.from[rod], len),
         })
     }
 
     /// States of an axis by sample; `None` where it does not move.
-    fn states_of(&self, axis: usize) -> Option<&[AxisState]> {
+    fn states_of(&self, axis: usize) -> Option<&StateColumns> {
         let index = self.axes.moving().binary_search(&axis).ok()?;
         Some(&self.axes.states()[index])
     }
@@ -133,7 +132,7 @@ impl SampledStep {
     pub(crate) fn positions(&self, sample: usize) -> Positions {
         let mut positions = Positions::new(&self.from);
         for (&axis, states) in self.axes.moving().iter().zip(self.axes.states()) {
-            positions[axis] = states[sample][0];
+            positions[axis] = states.columns()[0][sample];
         }
         positions
     }

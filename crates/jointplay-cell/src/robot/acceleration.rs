@@ -1,5 +1,6 @@
 //! From positions, velocities and accelerations of the axes to the motion of an effector's wafer.
 
+use jointplay_core::bulk::sin_cos;
 use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
@@ -8,6 +9,7 @@ use super::arm_chain::{ArmChain, ArmVector, dot, perpendicular, turned};
 use super::hybrid_robot::{EffectorId, HybridRobot, RODS};
 use super::positions::Positions;
 use crate::CellError;
+use crate::columns::map_rows;
 
 /// Half of the time step of differences (s): short against changes by jerk, long against round-off.
 const STEP: f64 = 1e-4;
@@ -119,7 +121,7 @@ impl ArmChain {
 
     /// Motion of the wafer relative to the platform, from positions, velocities and accelerations of the arm's own axes.
     pub(crate) fn wafer_motion(&self, arm_states: &[ArmVector; 3]) -> FrameMotion {
-        let [tip, velocity, acceleration] = self.tip_motion(arm_states, 0.0);
+        let [tip, velocity, acceleration] = self.tip_motion(arm_states);
         let [_, rate, acceleration_of_heading] =
             arm_states.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
@@ -131,21 +133,99 @@ impl ArmChain {
         }
     }
 
-    /// Motion of the wafer relative to the platform, in the axes of the wafer.
-    pub(crate) fn motion_in_wafer_frame(&self, arm_states: &[ArmVector; 3]) -> PlanarMotion {
-        let heading = arm_states.each_ref().map(|rates| dot(&self.heading.1, rates));
-        let [position, velocity, acceleration] = self.tip_motion(arm_states, -heading[0]);
-        PlanarMotion { position, velocity, acceleration, heading }
+    /// Motions of the wafer relative to the platform in the axes of the wafer, at many times.
+    ///
+    /// # Arguments
+    /// * `axes` – columns of positions, velocities and accelerations of each of [`Self::axes`]
+    pub(crate) fn motions_in_wafer_frame(&self, axes: &[[&[f64]; 3]]) -> PlanarMotions {
+        let count = axes.first().map_or(1, |columns| columns[0].len());
+        let weighted = |slopes: &ArmVector, order: usize| {
+            let mut sum = vec![0.0; count];
+            for (slope, columns) in slopes.iter().zip(axes).filter(|(slope, _)| **slope != 0.0) {
+                sum.iter_mut().zip(columns[order]).for_each(|(sum, value)| *sum += slope * value);
+            }
+            sum
+        };
+        let heading = [0, 1, 2].map(|order| weighted(&self.heading.1, order));
+        let links = self.link_vectors().iter().map(|link_vector| &link_vector.turn);
+        let slides = self.prismatic_joints().iter().map(|slide| &slide.along.turn);
+        // The origin, then the vectors of all links and slides.
+        let mut angles: Vec<f64> = heading[0].iter().map(|heading| -heading).collect();
+        for turn in links.chain(slides) {
+            let turned = weighted(turn, 0);
+            angles.extend(turned.iter().zip(&heading[0]).map(|(angle, heading)| angle - heading));
+        }
+        let (mut sines, mut cosines) = (vec![0.0; angles.len()], vec![0.0; angles.len()]);
+        sin_cos(&angles, &mut sines, &mut cosines).expect("the columns have one length");
+        let mut turns = sines.chunks_exact(count).zip(cosines.chunks_exact(count));
+        let mut turned = || turns.next().expect("there is an angle for each vector");
+        let mut sum: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; count]);
+        let mut next = sum.clone();
+        let (sin, cos) = turned();
+        let (x, y) = (self.origin.x, self.origin.y);
+        let [tip_x, tip_y, ..] = &mut sum;
+        map_rows([sin, cos], [tip_x, tip_y], |[sin, cos]| [cos * x - sin * y, sin * x + cos * y]);
+        for link_vector in self.link_vectors() {
+            let (sin, cos) = turned();
+            let (x, y) = (link_vector.vector.x, link_vector.vector.y);
+            let [omega, alpha] = [1, 2].map(|order| weighted(&link_vector.turn, order));
+            let [p_x, p_y, v_x, v_y, a_x, a_y] = sum.each_ref().map(Vec::as_slice);
+            map_rows(
+                [sin, cos, &omega, &alpha, p_x, p_y, v_x, v_y, a_x, a_y],
+                next.each_mut().map(Vec::as_mut_slice),
+                |[sin, cos, omega, alpha, p_x, p_y, v_x, v_y, a_x, a_y]| {
+                    let (x, y) = (cos * x - sin * y, sin * x + cos * y);
+                    let inward = omega * omega;
+                    [
+                        p_x + x,
+                        p_y + y,
+                        v_x - omega * y,
+                        v_y + omega * x,
+                        a_x - alpha * y - inward * x,
+                        a_y + alpha * x - inward * y,
+                    ]
+                },
+            );
+            std::mem::swap(&mut sum, &mut next);
+        }
+        for slide in self.prismatic_joints() {
+            let (sin, cos) = turned();
+            let (x, y) = (slide.along.vector.x, slide.along.vector.y);
+            let [omega, alpha] = [1, 2].map(|order| weighted(&slide.along.turn, order));
+            let [length, rate, second] = [0, 1, 2].map(|order| weighted(&slide.extension, order));
+            let [p_x, p_y, v_x, v_y, a_x, a_y] = sum.each_ref().map(Vec::as_slice);
+            map_rows(
+                [sin, cos, &omega, &alpha, &length, &rate, &second, p_x, p_y, v_x, v_y, a_x, a_y],
+                next.each_mut().map(Vec::as_mut_slice),
+                |[sin, cos, omega, alpha, length, rate, second, p_x, p_y, v_x, v_y, a_x, a_y]| {
+                    let (x, y) = (cos * x - sin * y, sin * x + cos * y);
+                    let (along, across) =
+                        (second - length * omega * omega, 2.0 * rate * omega + length * alpha);
+                    [
+                        p_x + length * x,
+                        p_y + length * y,
+                        v_x + rate * x - length * omega * y,
+                        v_y + rate * y + length * omega * x,
+                        a_x + along * x - across * y,
+                        a_y + along * y + across * x,
+                    ]
+                },
+            );
+            std::mem::swap(&mut sum, &mut next);
+        }
+        let [p_x, p_y, v_x, v_y, a_x, a_y] = sum;
+        let [angle, angular_velocity, angular_acceleration] = heading;
+        PlanarMotions([p_x, p_y, v_x, v_y, a_x, a_y, angle, angular_velocity, angular_acceleration])
     }
 
-    /// Position, velocity and acceleration of the tip relative to the platform, rotated by an angle.
-    fn tip_motion(&self, arm_states: &[ArmVector; 3], turn: f64) -> [Vector2<f64>; 3] {
+    /// Position, velocity and acceleration of the tip relative to the platform.
+    fn tip_motion(&self, arm_states: &[ArmVector; 3]) -> [Vector2<f64>; 3] {
         let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
-        let mut tip = turned(&self.origin, turn);
+        let mut tip = self.origin;
         let by = |slopes: &ArmVector| arm_states.each_ref().map(|rates| dot(slopes, rates));
         for link_vector in self.link_vectors() {
             let [angle, omega, alpha] = by(&link_vector.turn);
-            let link_vector = turned(&link_vector.vector, turn + angle);
+            let link_vector = turned(&link_vector.vector, angle);
             tip += link_vector;
             velocity += perpendicular(&link_vector) * omega;
             acceleration += perpendicular(&link_vector) * alpha - link_vector * (omega * omega);
@@ -153,7 +233,7 @@ impl ArmChain {
         for slide in self.prismatic_joints() {
             let [angle, omega, alpha] = by(&slide.along.turn);
             let [length, rate, length_acceleration] = by(&slide.extension);
-            let along = turned(&slide.along.vector, turn + angle);
+            let along = turned(&slide.along.vector, angle);
             tip += along * length;
             velocity += along * rate + perpendicular(&along) * (length * omega);
             acceleration += along * (length_acceleration - length * omega * omega)
@@ -163,18 +243,11 @@ impl ArmChain {
     }
 }
 
-/// Motion of a wafer relative to the platform, in the axes of the wafer.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PlanarMotion {
-    /// Position of the centre from the platform's origin (m).
-    pub(crate) position: Vector2<f64>,
-    /// Velocity of the centre (m/s).
-    pub(crate) velocity: Vector2<f64>,
-    /// Acceleration of the centre (m/s²).
-    pub(crate) acceleration: Vector2<f64>,
-    /// Heading, up to a constant, with its first and second derivative (rad, rad/s, rad/s²).
-    pub(crate) heading: [f64; 3],
-}
+/// Motions of a wafer relative to the platform in the axes of the wafer, at many times.
+///
+/// Columns of x and y of position, velocity and acceleration of the centre (m, m/s, m/s²), then of the heading, up to a constant, and its first and second derivatives (rad, rad/s, rad/s²).
+#[derive(Debug)]
+pub(crate) struct PlanarMotions(pub(crate) [Vec<f64>; 9]);
 
 impl HybridRobot {
     /// Motion of the wafer frame of one effector; bodies are rigid, nothing droops.

@@ -31,6 +31,7 @@ mod resolution;
 mod rotation_about_z;
 mod validate;
 
+pub(crate) use acceleration::PlanarMotions;
 pub use acceleration::{AxesMotion, FrameMotion};
 pub(crate) use arm_chain::ArmChain;
 pub use forward::{ChainPose, EffectorDisplacement};

@@ -3,9 +3,9 @@
 use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 
+use super::axis_state::AxisState;
 use super::blend::Blend;
 use super::limits::scaled_axis_limits;
-use super::profile::AxisState;
 use super::segment::Segment;
 use super::segment_motion::SegmentMotion;
 use crate::geometry::{Collider, PlacedCollider, signed_distance};

@@ -7,6 +7,7 @@
 //!
 //! | file | contents |
 //! | --- | --- |
+//! | `axis_state` | state of one coordinate, at one time and at many |
 //! | `profile` | jerk-limited profile of one coordinate |
 //! | `sample` | state of all axes at one time; uniform sampling |
 //! | `limits` | limits of the axes in a step |
@@ -30,6 +31,7 @@
 //! A trajectory is independent of the shapes of bodies: this folder uses geometry only for safe zones.
 
 mod adaptive_sampling;
+mod axis_state;
 mod blend;
 mod blend_candidate;
 mod blend_planner;
@@ -58,6 +60,7 @@ mod time_parameterization;
 #[expect(clippy::module_inception, reason = "the type that the folder is named after")]
 mod trajectory;
 
+pub(crate) use axis_state::{AxisState, StateColumns};
 pub use blend::Blend;
 pub use cartesian_path::{PathError, PathErrorKind};
 pub use error::{StepError, StepErrorKind, TrajectoryError};
@@ -65,7 +68,6 @@ pub(crate) use joint_space_line::joint_space_line;
 pub use limiting_constraint::{LimitingConstraint, MotionLimit};
 pub use limits::{axis_limits, axis_moves_effector, scaled_axis_limits};
 pub use options::TrajectoryOptions;
-pub(crate) use profile::AxisState;
 pub use sample::{Sample, UniformSampling};
 pub(crate) use sampler::AxisSampler;
 pub(crate) use segment_planner::SegmentCache;

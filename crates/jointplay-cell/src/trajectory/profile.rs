@@ -2,6 +2,8 @@
 
 use std::hash::Hasher;
 
+use super::axis_state::{AxisState, StateColumns};
+
 /// Largest number of steps in the search for the time at which a position is passed.
 const MAX_ROOT_STEPS: usize = 60;
 /// Change of that time at which the search ends, relative to the duration of the piece.
@@ -13,9 +15,6 @@ const ROOT_TOLERANCE: f64 = 1e-7;
 pub(super) fn hash_numbers(hasher: &mut impl Hasher, numbers: &[f64]) {
     numbers.iter().for_each(|number| hasher.write_u64(number.to_bits()));
 }
-
-/// Position, velocity, acceleration and jerk of one coordinate at one time.
-pub(crate) type AxisState = [f64; 4];
 
 /// A piece of a profile, in which the jerk is constant.
 #[derive(Debug, Clone, Copy)]
@@ -136,6 +135,30 @@ impl JerkLimitedProfile {
         }
     }
 
+    /// States at times in growing order (s), as by [`Self::state`].
+    ///
+    /// # Arguments
+    /// * `lift` – length that is added to all positions (m)
+    pub(super) fn write_states(&self, times: &[f64], lift: f64, states: &mut StateColumns) {
+        let ended = times.partition_point(|&time| time < self.duration);
+        let mut first = 0;
+        for (index, piece) in self.pieces.iter().enumerate() {
+            let end = match self.pieces.get(index + 1) {
+                Some(next) => {
+                    first + times[first..ended].partition_point(|&time| time < next.start)
+                }
+                None => ended,
+            };
+            states.map(first..end, [times], |[time]| {
+                let [position, velocity, acceleration, jerk] =
+                    advanced(&piece.state, time - piece.start);
+                [position + lift, velocity, acceleration, jerk]
+            });
+            first = end;
+        }
+        states.fill(ended..times.len(), [self.end + lift, 0.0, 0.0, 0.0]);
+    }
+
     /// Times at which a profile whose velocity is never negative passes positions in growing order (s).
     pub(crate) fn times_at(&self, positions: &[f64]) -> impl Iterator<Item = f64> {
         let mut current = 0;
@@ -195,6 +218,7 @@ impl JerkLimitedProfile {
 }
 
 /// A state after a time (s) at its constant jerk.
+#[inline(always)]
 fn advanced(state: &AxisState, t: f64) -> AxisState {
     let [p, v, a, j] = *state;
     [p + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0), a + t * j, j]

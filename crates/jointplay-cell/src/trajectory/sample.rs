@@ -2,7 +2,7 @@
 
 use jointplay_core::sampling;
 
-use super::profile::AxisState;
+use super::axis_state::AxisState;
 
 /// Positions of all axes with their first three derivatives, at one time of a trajectory.
 #[derive(Debug, Clone, PartialEq, Default)]

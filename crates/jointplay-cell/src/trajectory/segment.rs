@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::profile::AxisState;
+use super::axis_state::AxisState;
 use super::sample::Sample;
 use super::segment_motion::{SegmentMotion, derivatives_along_path};
 use crate::incremental::{CacheKey, CacheKeyPart, WithId};

@@ -3,8 +3,10 @@
 use std::hash::Hasher;
 use std::sync::Arc;
 
+use super::axis_state::AxisState;
 use super::cartesian_path::CartesianPath;
-use super::profile::{AxisState, JerkLimitedProfile, hash_numbers};
+use super::profile::{JerkLimitedProfile, hash_numbers};
+use super::spline::Jet;
 use super::synchronized::SynchronizedProfile;
 use crate::program::Step;
 
@@ -117,7 +119,7 @@ impl SegmentMotion {
     }
 }
 
-/// State of one axis on a path, by the chain rule.
+/// State of one axis on a path.
 ///
 /// # Arguments
 /// * `interval` – interval of the spline that holds the path parameter
@@ -126,13 +128,21 @@ pub(super) fn derivatives_along_path(
     path: &CartesianPath,
     interval: usize,
     axis: usize,
-    [s, rate, acceleration, jerk]: AxisState,
+    parameter: AxisState,
 ) -> AxisState {
-    let [q, slope, curvature, third] = path.spline.jet(interval, axis, s);
+    by_chain_rule(path.spline.jet(interval, axis, parameter[0]), parameter)
+}
+
+/// State of one axis by its derivatives with respect to a parameter, and those of the parameter in time.
+#[inline(always)]
+pub(super) fn by_chain_rule(
+    [q, slope, curvature, third]: Jet,
+    [_, rate, acceleration, jerk]: AxisState,
+) -> AxisState {
     [
         q,
         slope * rate,
         curvature * rate * rate + slope * acceleration,
-        third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk,
+        third * (rate * rate * rate) + 3.0 * curvature * rate * acceleration + slope * jerk,
     ]
 }

@@ -1,6 +1,7 @@
 //! Positions of all axes over a path parameter: cubic pieces with continuous first and second derivatives.
 
 use std::hash::Hasher;
+use std::ops::Range;
 
 use super::profile::hash_numbers;
 
@@ -63,6 +64,27 @@ impl Spline {
         }
     }
 
+    /// Parameters in growing order, by intervals: each interval with the range of the parameters that it holds.
+    pub(super) fn runs(&self, parameters: &[f64]) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let mut first = 0;
+        (0..self.jets.len()).map(move |interval| {
+            let rest = &parameters[first..];
+            let held = if interval + 1 < self.jets.len() {
+                rest.partition_point(|&s| s < self.knots[interval + 1])
+            } else {
+                rest.len()
+            };
+            let run = first..first + held;
+            first = run.end;
+            (interval, run)
+        })
+    }
+
+    /// Parameter at the start of an interval, and the jet of an axis there.
+    pub(super) fn piece(&self, interval: usize, axis: usize) -> (f64, Jet) {
+        (self.knots[interval], self.jets[interval][axis])
+    }
+
     /// Jet of an axis at `s`, by the cubic of an interval.
     pub(crate) fn jet(&self, interval: usize, axis: usize, s: f64) -> Jet {
         advanced(&self.jets[interval][axis], s - self.knots[interval])
@@ -115,6 +137,7 @@ impl Spline {
 }
 
 /// A jet advanced along its cubic.
+#[inline(always)]
 pub(crate) fn advanced([y, slope, curvature, third]: &Jet, t: f64) -> Jet {
     [
         y + t * (slope + t * (curvature / 2.0 + t * third / 6.0)),

@@ -10,7 +10,8 @@
 
 use pulp::Arch;
 
-use super::profile::{AxisState, JerkLimitedProfile};
+use super::axis_state::AxisState;
+use super::profile::JerkLimitedProfile;
 use super::rate_constraints::{Exceedance, FrictionConstraints, RateConstraints};
 use super::rate_search::RateSearch;
 use super::spline::{self, Jet, Spline};

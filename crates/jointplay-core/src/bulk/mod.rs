@@ -8,6 +8,7 @@
 //! | pass numbers: contiguous, every n-th, or one for all | [`Column`] |
 //! | choose the quantities to compute | [`Quantity`] |
 //! | find the limits that many poses exceed | [`Gpr::broken_limits_many`](crate::gpr::Gpr::broken_limits_many) |
+//! | find the sines and cosines of many angles | [`sin_cos`] |
 //! | find the poses without a solution, and the reasons | [`Status`], [`StatusCounts`] |
 //! | split the work | [`parts`] |
 //! | know the instructions of the processor | [`instruction_set`] |
@@ -40,6 +41,7 @@ mod parts;
 mod pose_solver;
 mod quantity;
 mod results;
+mod sin_cos;
 mod singular_values;
 mod status;
 
@@ -48,4 +50,5 @@ pub use instruction_set::instruction_set;
 pub use parts::{Part, parts};
 pub use pose_solver::PoseSolver;
 pub use quantity::Quantity;
+pub use sin_cos::sin_cos;
 pub use status::{Status, StatusCounts};
