@@ -159,117 +159,146 @@ impl VariationInputs<'_> {
     /// R: radius of the wafer; b: lever arm of friction against rotation.
     /// d, s: drop and slope of the deflection at the reach l, with derivatives with respect to the reach.
     fn accumulate(&self) -> Vec<ForceVariation> {
-        let Self { scene, effector, sampled, bounds, tilt, droop } = *self;
+        let on_platform = self.on_platform();
+        let [by_rods, heave] = self.by_rods(&on_platform);
+        let mut total = ForceVariation::default();
+        let increments = on_platform.variation.iter().zip(&by_rods).zip(&heave);
+        let sums = increments.map(|((by_arm, by_rods), heave)| {
+            total.any_direction += INFLATION * (by_arm + by_rods);
+            total.vertical += heave;
+            total
+        });
+        std::iter::once(ForceVariation::default()).chain(sums).collect()
+    }
+
+    /// Motion of the wafer on the platform from each sample to the next.
+    fn on_platform(&self) -> OnPlatform {
+        let Self { scene, effector, sampled, tilt, droop, .. } = *self;
         let cell = scene.cell;
         let chain = scene.chain(effector);
-        let described = &cell.robot.arms[effector.arm].effectors[effector.effector];
-        let radius = 0.5 * cell.wafer.diameter;
-        let torsion_radius = 0.5 * radius * radius / described.support.lever(&cell.wafer);
-        let (moving, count) = (sampled.moving_axes(), sampled.times().len());
+        let moving = sampled.moving_axes();
+        let arm_moves = moving.moving().iter().any(|axis| chain.axes().contains(axis));
+        let states: Vec<_> =
+            chain.axes().iter().map(|&axis| moving.states_of(axis, sampled.from()[axis])).collect();
+        // One row for all samples of an arm at rest.
+        let rows = if arm_moves { sampled.times().len() } else { 1 };
+        let axes = states.iter().map(|states| {
+            let [positions, velocities, accelerations, _] = states.columns();
+            [positions, velocities, accelerations].map(|column| &column[..rows])
+        });
+        let axes: Vec<[&[f64]; 3]> = axes.collect();
+        let PlanarMotions(motions) = chain.motions_in_wafer_frame(&axes);
+        let height = chain.height().abs();
+        let intervals = sampled.times().len() - 1;
+        let column = |value: f64| vec![value; intervals];
+        let mut found = OnPlatform {
+            variation: column(0.0),
+            displacement: column(0.0),
+            turn: column(0.0),
+            speed: column(0.0),
+            velocity_change: column(0.0),
+            radius: column(motions[0][0].hypot(motions[1][0]) + height),
+        };
+        if !arm_moves {
+            return found;
+        }
+        let OnPlatform { variation, displacement, turn, speed, velocity_change, radius } =
+            &mut found;
         let [x, y, _] = cell.robot.arms[effector.arm].mount;
         let mount_radius = x.hypot(y);
-        let rods_move = moving.moving().first().is_some_and(|&axis| axis < RODS);
-        let arm_moves = moving.moving().iter().any(|axis| chain.axes().contains(axis));
-        let states = |axis: usize| moving.states_of(axis, sampled.from()[axis]);
-        let arm: Vec<_> = chain.axes().iter().map(|&axis| states(axis)).collect();
-        let rows = if arm_moves { count } else { 1 };
-        let arm: Vec<[&[f64]; 3]> = arm
-            .iter()
-            .map(|states| {
-                let [positions, velocities, accelerations, _] = states.columns();
-                [positions, velocities, accelerations].map(|column| &column[..rows])
-            })
-            .collect();
-        let PlanarMotions(motions) = chain.motions_in_wafer_frame(&arm);
-        let height = chain.height().abs();
-        let at_rest = [0.0, 0.0, 0.0, 0.0, motions[0][0].hypot(motions[1][0]) + height];
-        let mut on_platform = at_rest.map(|value| vec![value; count - 1]);
-        let mut changes = [vec![0.0; count - 1], vec![0.0; count - 1]];
-        if arm_moves {
-            let [change, _] = &mut changes;
-            let [displacement, turn, speed, velocity_change, radius] = &mut on_platform;
-            map_rows(
-                pairs(motions.each_ref().map(Vec::as_slice)),
-                [change, displacement, turn, speed, velocity_change, radius],
-                #[inline(always)]
-                |pair: [f64; 18]| {
-                    let (before, after) = pair.split_at(9);
-                    let change = |k: usize| after[k] - before[k];
-                    let length = |x: f64, y: f64| (x * x + y * y).sqrt();
-                    let distance = length(before[0], before[1]);
-                    let speed = length(before[2], before[3]);
-                    let acceleration = length(before[4], before[5]);
-                    let displacement = length(change(0), change(1));
-                    let velocity_change = length(change(2), change(3));
-                    let acceleration_change = length(change(4), change(5));
-                    let turn = change(6).abs();
-                    let reach = larger((distance - mount_radius).abs(), MIN_REACH);
-                    let transport = acceleration * displacement
-                        + speed * (4.0 * velocity_change + speed * displacement / reach);
-                    let slope_change = (droop.by_reach.slope + droop.slope_per_reach)
-                        * displacement
-                        + droop.value.slope * turn;
-                    let change = (1.0 + droop.by_reach.drop) * acceleration_change
-                        + (droop.by_reach.drop / reach + 3.0 * droop.second_by_reach.drop)
-                            * transport
-                        + (cell.gravity + acceleration) * slope_change
-                        + cell.gravity * tilt * turn
-                        + torsion_radius * change(8).abs();
-                    [change, displacement, turn, speed, velocity_change, distance + height]
-                },
-            );
-        }
-        let mut heave = vec![0.0; count - 1];
-        if rods_move {
-            let rods = [0, 1, 2].map(states);
-            let [rod_1, rod_2, rod_3] = rods.each_ref().map(|rod| rod.columns());
-            let by_order = |order: usize| [rod_1[order], rod_2[order], rod_3[order]];
-            let [lengths, velocities, accelerations] = [0, 1, 2].map(by_order);
-            let columns: [&[f64]; 9] =
-                std::array::from_fn(|k| [lengths, velocities, accelerations][k / RODS][k % RODS]);
-            let pairs: [&[f64]; 18] = pairs(columns);
-            let inputs: [&[f64]; 23] = std::array::from_fn(|k| match k.checked_sub(18) {
-                None => pairs[k],
-                Some(k) => &on_platform[k],
-            });
-            let [_, by_rods] = &mut changes;
-            map_rows(
-                inputs,
-                [by_rods, &mut heave],
-                #[inline(always)]
-                |row| {
-                    let [.., displacement, turn, speed, velocity_change, radius] = row;
-                    let after = |order: usize| -> [f64; RODS] {
-                        std::array::from_fn(|rod| row[9 + RODS * order + rod])
-                    };
-                    let difference = |order: usize| -> [f64; RODS] {
-                        std::array::from_fn(|rod| after(order)[rod] - row[RODS * order + rod])
-                    };
-                    let rate = |order: usize| INFLATION * bounds.tilt_bound(&after(order));
-                    let [tilt_change, tilt_velocity, tilt_acceleration] =
-                        [0, 1, 2].map(|order| INFLATION * bounds.tilt_bound(&difference(order)));
-                    let change = tilt_acceleration * radius
-                        + rate(2) * (displacement + turn * radius)
-                        + 2.0
-                            * (tilt_velocity * speed + rate(1) * (velocity_change + turn * speed))
-                        + 2.0 * cell.gravity * tilt_change;
-                    [change, INFLATION * bounds.heave_bound(&difference(2))]
-                },
-            );
-        }
-        let mut total = ForceVariation::default();
-        let mut variation = Vec::with_capacity(count);
-        variation.push(total);
-        let [by_arm, by_rods] = changes;
-        variation.extend(by_arm.iter().zip(&by_rods).zip(&heave).map(
-            |((by_arm, by_rods), heave)| {
-                total.any_direction += INFLATION * (by_arm + by_rods);
-                total.vertical += heave;
-                total
+        let described = &cell.robot.arms[effector.arm].effectors[effector.effector];
+        let wafer_radius = 0.5 * cell.wafer.diameter;
+        let torsion_radius =
+            0.5 * wafer_radius * wafer_radius / described.support.lever(&cell.wafer);
+        map_rows(
+            pairs(motions.each_ref().map(Vec::as_slice)),
+            [variation, displacement, turn, speed, velocity_change, radius],
+            #[inline(always)]
+            |pair: [f64; 18]| {
+                let (before, after) = pair.split_at(9);
+                let change = |k: usize| after[k] - before[k];
+                let length = |x: f64, y: f64| (x * x + y * y).sqrt();
+                let distance = length(before[0], before[1]);
+                let speed = length(before[2], before[3]);
+                let acceleration = length(before[4], before[5]);
+                let displacement = length(change(0), change(1));
+                let velocity_change = length(change(2), change(3));
+                let acceleration_change = length(change(4), change(5));
+                let turn = change(6).abs();
+                let reach = larger((distance - mount_radius).abs(), MIN_REACH);
+                let transport = acceleration * displacement
+                    + speed * (4.0 * velocity_change + speed * displacement / reach);
+                let slope_change = (droop.by_reach.slope + droop.slope_per_reach) * displacement
+                    + droop.value.slope * turn;
+                let variation = (1.0 + droop.by_reach.drop) * acceleration_change
+                    + (droop.by_reach.drop / reach + 3.0 * droop.second_by_reach.drop) * transport
+                    + (cell.gravity + acceleration) * slope_change
+                    + cell.gravity * tilt * turn
+                    + torsion_radius * change(8).abs();
+                [variation, displacement, turn, speed, velocity_change, distance + height]
             },
-        ));
+        );
+        found
+    }
+
+    /// Variation by the rods from each sample to the next: in any direction without inflation, and along the vertical.
+    fn by_rods(&self, on_platform: &OnPlatform) -> [Vec<f64>; 2] {
+        let Self { scene, sampled, bounds, .. } = *self;
+        let gravity = scene.cell.gravity;
+        let moving = sampled.moving_axes();
+        let intervals = sampled.times().len() - 1;
+        let mut variation = [vec![0.0; intervals], vec![0.0; intervals]];
+        if moving.moving().first().is_none_or(|&axis| axis >= RODS) {
+            return variation;
+        }
+        let rods: [_; RODS] = std::array::from_fn(|rod| moving.states_of(rod, sampled.from()[rod]));
+        // Positions of all rods, then their velocities, then their accelerations.
+        let columns: [&[f64]; 9] = std::array::from_fn(|k| rods[k % RODS].columns()[k / RODS]);
+        let pairs: [&[f64]; 18] = pairs(columns);
+        let OnPlatform { displacement, turn, speed, velocity_change, radius, .. } = on_platform;
+        let on_platform = [displacement, turn, speed, velocity_change, radius];
+        let inputs: [&[f64]; 23] =
+            std::array::from_fn(|k| if k < 18 { pairs[k] } else { on_platform[k - 18] });
+        map_rows(
+            inputs,
+            variation.each_mut().map(Vec::as_mut_slice),
+            #[inline(always)]
+            |row| {
+                let [.., displacement, turn, speed, velocity_change, radius] = row;
+                let after = |order: usize| -> [f64; RODS] {
+                    std::array::from_fn(|rod| row[9 + RODS * order + rod])
+                };
+                let difference = |order: usize| -> [f64; RODS] {
+                    std::array::from_fn(|rod| after(order)[rod] - row[RODS * order + rod])
+                };
+                let rate = |order: usize| INFLATION * bounds.tilt_bound(&after(order));
+                let [tilt_change, tilt_velocity, tilt_acceleration] =
+                    [0, 1, 2].map(|order| INFLATION * bounds.tilt_bound(&difference(order)));
+                let variation = tilt_acceleration * radius
+                    + rate(2) * (displacement + turn * radius)
+                    + 2.0 * (tilt_velocity * speed + rate(1) * (velocity_change + turn * speed))
+                    + 2.0 * gravity * tilt_change;
+                [variation, INFLATION * bounds.heave_bound(&difference(2))]
+            },
+        );
         variation
     }
+}
+
+/// Motion of a wafer on the platform from each sample to the next, by columns.
+struct OnPlatform {
+    /// Variation of the specific force by the arm, without inflation (m/s²).
+    variation: Vec<f64>,
+    /// |Δr| (m)
+    displacement: Vec<f64>,
+    /// |Δϑ| (rad)
+    turn: Vec<f64>,
+    /// |ṙ| at the first of the two samples (m/s).
+    speed: Vec<f64>,
+    /// |Δṙ| (m/s)
+    velocity_change: Vec<f64>,
+    /// ρ at the first of the two samples (m).
+    radius: Vec<f64>,
 }
 
 /// Each column without its last row, then each without its first: pairs of successive rows.
