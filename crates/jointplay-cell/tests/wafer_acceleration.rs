@@ -92,11 +92,11 @@ proptest! {
             let step = 1e-3;
             let poses = [-2.0, -1.0, 0.0, 1.0, 2.0]
                 .map(|k| cell.wafer_pose(id, &at(k * step), loaded).unwrap());
-            // Within 50 mm of the joint the rotation by the droop fades out: at that reach it is continuous, but has no second derivative.
+            // Within 50 mm of the joint the rotation by the droop fades out: at that reach, to which the rigid arm has a little less or more, it is continuous, but has no second derivative.
             let joint = cell.robot.platform_and_effector(&positions, id).unwrap().0
                 * nalgebra::Point3::from(cell.robot.arms[id.arm].mount);
             let is_extended =
-                |pose: &Pose| (pose.translation.vector - joint.coords).xy().norm() > 0.05;
+                |pose: &Pose| (pose.translation.vector - joint.coords).xy().norm() > 0.051;
             prop_assume!(poses.iter().all(is_extended));
             let found = cell.wafer_motion(id, &motion, loaded).unwrap();
             let [velocity, acceleration] = derivatives(poses.map(|pose| pose.translation.vector), step);
