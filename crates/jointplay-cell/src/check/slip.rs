@@ -178,8 +178,11 @@ impl VariationInputs<'_> {
         let chain = scene.chain(effector);
         let moving = sampled.moving_axes();
         let arm_moves = moving.moving().iter().any(|axis| chain.axes().contains(axis));
-        let states: Vec<_> =
-            chain.axes().iter().map(|&axis| moving.states_of(axis, sampled.from()[axis])).collect();
+        let states: Vec<_> = chain
+            .axes()
+            .iter()
+            .map(|&axis| moving.states_or_at_rest(axis, sampled.from()[axis]))
+            .collect();
         // One row for all samples of an arm at rest.
         let rows = if arm_moves { sampled.times().len() } else { 1 };
         let axes = states.iter().map(|states| {
@@ -214,17 +217,17 @@ impl VariationInputs<'_> {
             pairs(motions.each_ref().map(Vec::as_slice)),
             [variation, displacement, turn, speed, velocity_change, radius],
             #[inline(always)]
-            |pair: [f64; 18]| {
-                let (before, after) = pair.split_at(9);
-                let change = |k: usize| after[k] - before[k];
+            |[x, y, v_x, v_y, a_x, a_y, heading, _, heading_acceleration, next @ ..]: [f64; 18]| {
+                let [next_x, next_y, next_v_x, next_v_y, next_a_x, next_a_y, ..] = next;
+                let [.., next_heading, _, next_heading_acceleration] = next;
                 let length = |x: f64, y: f64| (x * x + y * y).sqrt();
-                let distance = length(before[0], before[1]);
-                let speed = length(before[2], before[3]);
-                let acceleration = length(before[4], before[5]);
-                let displacement = length(change(0), change(1));
-                let velocity_change = length(change(2), change(3));
-                let acceleration_change = length(change(4), change(5));
-                let turn = change(6).abs();
+                let distance = length(x, y);
+                let speed = length(v_x, v_y);
+                let acceleration = length(a_x, a_y);
+                let displacement = length(next_x - x, next_y - y);
+                let velocity_change = length(next_v_x - v_x, next_v_y - v_y);
+                let acceleration_change = length(next_a_x - a_x, next_a_y - a_y);
+                let turn = (next_heading - heading).abs();
                 let reach = larger((distance - mount_radius).abs(), MIN_REACH);
                 let transport = acceleration * displacement
                     + speed * (4.0 * velocity_change + speed * displacement / reach);
@@ -234,14 +237,14 @@ impl VariationInputs<'_> {
                     + (droop.by_reach.drop / reach + 3.0 * droop.second_by_reach.drop) * transport
                     + (cell.gravity + acceleration) * slope_change
                     + cell.gravity * tilt * turn
-                    + torsion_radius * change(8).abs();
+                    + torsion_radius * (next_heading_acceleration - heading_acceleration).abs();
                 [variation, displacement, turn, speed, velocity_change, distance + height]
             },
         );
         found
     }
 
-    /// Variation by the rods from each sample to the next: in any direction without inflation, and along the vertical.
+    /// Variation by the rods from each sample to the next: in any direction, without the factor [`INFLATION`], and along the vertical, with it.
     fn by_rods(&self, on_platform: &OnPlatform) -> [Vec<f64>; 2] {
         let Self { scene, sampled, bounds, .. } = *self;
         let gravity = scene.cell.gravity;
@@ -251,7 +254,8 @@ impl VariationInputs<'_> {
         if moving.moving().first().is_none_or(|&axis| axis >= RODS) {
             return variation;
         }
-        let rods: [_; RODS] = std::array::from_fn(|rod| moving.states_of(rod, sampled.from()[rod]));
+        let rods: [_; RODS] =
+            std::array::from_fn(|rod| moving.states_or_at_rest(rod, sampled.from()[rod]));
         // Positions of all rods, then their velocities, then their accelerations.
         let columns: [&[f64]; 9] = std::array::from_fn(|k| rods[k % RODS].columns()[k / RODS]);
         let pairs: [&[f64]; 18] = pairs(columns);
@@ -287,7 +291,7 @@ impl VariationInputs<'_> {
 
 /// Motion of a wafer on the platform from each sample to the next, by columns.
 struct OnPlatform {
-    /// Variation of the specific force by the arm, without inflation (m/s²).
+    /// Variation of the specific force by the arm, without the factor [`INFLATION`] (m/s²).
     variation: Vec<f64>,
     /// |Δr| (m)
     displacement: Vec<f64>,

@@ -151,7 +151,7 @@ impl CumulativeAxisTravel {
     /// Accumulates the travel of the platform: its origin by the weighted travel of the rods, its normal by the differences of their velocities.
     fn accumulate_tilt(&mut self, bounds: &MotionBoundModel, from: &[f64], sampler: &AxisSampler) {
         let count = self.intervals.len();
-        let rods: [_; RODS] = std::array::from_fn(|rod| sampler.states_of(rod, from[rod]));
+        let rods: [_; RODS] = std::array::from_fn(|rod| sampler.states_or_at_rest(rod, from[rod]));
         // The time to the next sample, then the states of all rods at the sample, then those at the next.
         let mut inputs = [&self.intervals[..]; 1 + 2 * 4 * RODS];
         for (rod, states) in rods.iter().enumerate() {

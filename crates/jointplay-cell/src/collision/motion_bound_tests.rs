@@ -279,7 +279,7 @@ fn columns_hold_the_states_of_all_axes_and_the_motions_of_all_wafers() {
             sampled.begin(&motion, step, 0, &samples, &bounds);
             let axes = sampled.moving_axes();
             let states: Vec<_> = (0..cell.robot.axes.len())
-                .map(|axis| axes.states_of(axis, motion.steps[step].from[axis]))
+                .map(|axis| axes.states_or_at_rest(axis, motion.steps[step].from[axis]))
                 .collect();
             for (k, &time) in sampled.times().iter().enumerate() {
                 let expected = motion.sample_in_step(step, time);

@@ -15,7 +15,7 @@ use super::swept_aabb::{SweptAabb, union};
 use super::unknown_pose::UnknownPose;
 use crate::geometry::Interval;
 use crate::robot::{Positions, RODS};
-use crate::trajectory::{AxisSampler, StateColumns, Trajectory};
+use crate::trajectory::{AxisSampler, Trajectory};
 use crate::violation::{SampleTime, ViolationKind};
 
 /// Least number of samples in one box of a swept AABB.
@@ -105,7 +105,7 @@ impl SampledStep {
     pub(crate) fn axis_states<const N: usize>(&self, indices: &[usize]) -> AxisStates<'_, N> {
         let mut states = AxisStates { moving: [None; N], fixed: [0.0; N] };
         for (index, &axis) in indices.iter().enumerate() {
-            states.moving[index] = self.states_of(axis);
+            states.moving[index] = self.axes.states_of(axis);
             states.fixed[index] = self.from[axis];
         }
         states
@@ -113,19 +113,13 @@ impl SampledStep {
 
     /// Positions of the rods by sample (m); a single value where no rod moves.
     pub(crate) fn rods(&self) -> [Column<'_>; RODS] {
-        let states: [_; RODS] = std::array::from_fn(|rod| self.states_of(rod));
+        let states: [_; RODS] = std::array::from_fn(|rod| self.axes.states_of(rod));
         let any_moves = states.iter().any(Option::is_some);
         let len = if any_moves { self.times.len() } else { 1 };
         std::array::from_fn(|rod| match states[rod] {
             Some(states) => Column::from(states.columns()[0]),
             None => Column::constant(&self.from[rod], len),
         })
-    }
-
-    /// States of an axis by sample; `None` where it does not move.
-    fn states_of(&self, axis: usize) -> Option<&StateColumns> {
-        let index = self.axes.moving().binary_search(&axis).ok()?;
-        Some(&self.axes.states()[index])
     }
 
     /// Positions of all axes at a sample (m or rad).

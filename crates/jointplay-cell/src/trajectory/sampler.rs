@@ -92,11 +92,16 @@ impl AxisSampler {
         }
     }
 
+    /// States of an axis by time; `None` where it does not move.
+    pub(crate) fn states_of(&self, axis: usize) -> Option<&StateColumns> {
+        self.moving.binary_search(&axis).ok().map(|index| &self.states[index])
+    }
+
     /// States of an axis by time; at rest in a position where it does not move.
-    pub(crate) fn states_of(&self, axis: usize, position: f64) -> Cow<'_, StateColumns> {
-        match self.moving.binary_search(&axis) {
-            Ok(index) => Cow::Borrowed(&self.states[index]),
-            Err(_) => Cow::Owned(StateColumns::at_rest(position, self.in_segment.len())),
+    pub(crate) fn states_or_at_rest(&self, axis: usize, position: f64) -> Cow<'_, StateColumns> {
+        match self.states_of(axis) {
+            Some(states) => Cow::Borrowed(states),
+            None => Cow::Owned(StateColumns::at_rest(position, self.in_segment.len())),
         }
     }
 
