@@ -1,11 +1,12 @@
 //! Forward kinematics: from positions of all axes to poses of all links.
 
+use jointplay_core::bulk::sin_cos;
 use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Translation3, Vector3};
 
 use super::arm_chain::ArmChain;
-use super::hybrid_robot::{Arm, AxisKind, Effector, EffectorId, HybridRobot, RODS};
+use super::hybrid_robot::{Arm, AxisKind, Effector, EffectorId, HybridRobot, MAX_JOINTS, RODS};
 use super::rotation_about_z::{rotated_about_z, rotation_about_z};
 use crate::CellError;
 
@@ -55,19 +56,28 @@ impl Arm {
     pub(crate) fn links(&self, base_from_platform: &Pose, positions: &[f64], to: &mut Vec<Pose>) {
         let mut link = base_from_platform * Translation3::from(self.mount);
         let mut to_next = Vector3::zeros();
-        for joint in &self.joints {
-            let driven = joint.drives.iter().map(|&(axis, ratio)| ratio * positions[axis]);
-            let value = joint.zero + driven.sum::<f64>();
-            to_next.z += joint.rise;
-            if joint.kind == AxisKind::Linear {
-                to_next.x += value;
+        // A robot that was not validated may have more joints.
+        for joints in self.joints.chunks(MAX_JOINTS) {
+            let mut values = [0.0; MAX_JOINTS];
+            for (value, joint) in values.iter_mut().zip(joints) {
+                let driven = joint.drives.iter().map(|&(axis, ratio)| ratio * positions[axis]);
+                *value = joint.zero + driven.sum::<f64>();
             }
-            link *= Translation3::from(to_next);
-            if joint.kind == AxisKind::Rotary {
-                link = rotated_about_z(&link, value);
+            let (mut sines, mut cosines) = ([0.0; MAX_JOINTS], [0.0; MAX_JOINTS]);
+            sin_cos(&values, &mut sines, &mut cosines).expect("the columns have one length");
+            let turns = sines.into_iter().zip(cosines);
+            for ((joint, value), (sin, cos)) in joints.iter().zip(values).zip(turns) {
+                to_next.z += joint.rise;
+                if joint.kind == AxisKind::Linear {
+                    to_next.x += value;
+                }
+                link *= Translation3::from(to_next);
+                if joint.kind == AxisKind::Rotary {
+                    link = rotated_about_z(&link, sin, cos);
+                }
+                to_next = Vector3::new(joint.length, joint.offset, 0.0);
+                to.push(link);
             }
-            to_next = Vector3::new(joint.length, joint.offset, 0.0);
-            to.push(link);
         }
     }
 }
