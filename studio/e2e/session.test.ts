@@ -328,6 +328,17 @@ test('a click in the dialog to open files arrives, though the samples are loaded
   await expect.poll(() => page.getByTestId('cell-file').innerText()).toBe('mine.toml');
 });
 
+test('samples that could not be loaded are loaded again on request', async () => {
+  await checkResult('passed');
+  await page.route('**/api/v1/catalogue', (route) => route.abort('connectionrefused'));
+  await page.keyboard.press('Control+o');
+  await page.getByTestId('open-problem').waitFor();
+  await page.unroute('**/api/v1/catalogue');
+  await page.getByTestId('load-samples').click();
+  await page.getByTestId('sample-delta').waitFor();
+  await page.getByTestId('open-problem').waitFor({ state: 'hidden' });
+});
+
 test('a cell and its program are opened together', async () => {
   const other = EXAMPLE_CELL.replace(/^name = "[^"]*"/m, 'name = "other cell"');
   const program = 'HOME\nGET LP1 SLOT 3 WITH B\n';

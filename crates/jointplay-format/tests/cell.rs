@@ -166,6 +166,11 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse("slots = 25", "slots = 0", "`slots` is 0, but has to be from 1 to 1000");
     refuse("wafers = \"all\"", "wafers = [3, 26]", "`wafers` is 26, but has to be from 1 to 25");
     refuse("wafers = \"all\"", "wafers = [3, 3]", "slot 3 is listed twice");
+    refuse(
+        "wafers = \"all\"",
+        "wafers = [1, \"5-9\"]",
+        "list the slots from 5 to 9 one by one, such as [1, 2, 5]",
+    );
     refuse("wafers = \"all\"", "effectors = [\"C\"]", "effector \"C\" is not known; known: A, B");
     refuse("wafers = \"all\"", "approach = \"straight\"", "approach \"straight\" is not known");
     refuse("name = \"LP2\"", "name = \"LP1\"", "station \"LP1\" is defined twice");

@@ -15,7 +15,7 @@ use super::explain::{explain_teach, leveling_angle};
 use super::pose::{heading_and_tilt, points};
 use super::problem::Fault;
 use super::taught::{self, Sensors};
-use super::tree::{AllowedRange, Reader, Table};
+use super::tree::{AllowedRange, Entry, Reader, Table};
 use super::unique::unique;
 use crate::file_problem::FileProblem;
 use crate::number::number;
@@ -309,11 +309,24 @@ fn wafers(table: &Table, slots: usize) -> Vec<usize> {
     }
     let list = entry.list(reader).unwrap_or_default();
     let mut found: Vec<usize> =
-        list.iter().filter_map(|slot| slot.count(reader, 1, slots)).collect();
+        list.iter().filter_map(|entry| occupied_slot(reader, entry, slots)).collect();
     found.sort_unstable();
     if let Some(pair) = found.windows(2).find(|pair| pair[0] == pair[1]) {
         let why = format!("slot {} is listed twice, but holds one wafer", pair[0]);
         entry.report(reader, Fault::Unfit(why));
     }
     found
+}
+
+/// Number of an occupied slot; a range such as `"5-9"` is reported as such, and not as the difference that it is as an expression.
+fn occupied_slot(reader: &Reader, entry: &Entry, slots: usize) -> Option<usize> {
+    if entry.is_text()
+        && let Some((first, last)) = entry.text(reader)?.split_once('-')
+        && let (Ok(first), Ok(last)) = (first.trim().parse::<u32>(), last.trim().parse::<u32>())
+    {
+        let why = format!("list the slots from {first} to {last} one by one, such as [1, 2, 5]");
+        entry.report(reader, Fault::Unfit(why));
+        return None;
+    }
+    entry.count(reader, 1, slots)
 }
