@@ -13,6 +13,12 @@ use crate::linalg::{Svd, product, svd};
 ///    (M,n)       (M,c)    (c,n)
 /// ```
 /// Angles are multiplied by the characteristic length ρ of the metric, so that all entries are lengths per length and the singular values have no unit.
+/// Of all dX that keep the constraints, it is the least one: in the metric, or of the least elastic energy Σ k dx² where all virtual joints have a stiffness k:
+///
+/// ```text
+///    ∂X/∂P  =  −K^(−1/2) (∂Φ/∂X K^(−1/2))†  ∂Φ/∂P
+/// ```
+/// Where X is displaced and there are more virtual joints than constraints, the least dX differs from the change of the least X.
 ///
 /// # Source
 /// \[Virtualization\], eq. (3)
@@ -82,6 +88,7 @@ pub fn sensitivity<S: System + ?Sized>(
     Sensitivity::from_jacobians(
         &scaled.of_virtual_joints,
         scaled.of_coordinates,
+        &scaled.compliances,
         characteristic_length,
         relative_threshold,
     )
@@ -116,6 +123,7 @@ pub fn commanded_sensitivity<S: System + ?Sized>(
     Sensitivity::from_jacobians(
         &(&open * scaled.of_virtual_joints),
         &open * scaled.of_coordinates.select_columns(commanded),
+        &scaled.compliances,
         characteristic_length,
         relative_threshold,
     )
@@ -125,6 +133,8 @@ pub fn commanded_sensitivity<S: System + ?Sized>(
 struct Scaled {
     of_virtual_joints: DMatrix<f64>,
     of_coordinates: DMatrix<f64>,
+    /// (M) roots of the compliances of the virtual joints in the metric; 1 where they have none.
+    compliances: DVector<f64>,
 }
 
 impl Scaled {
@@ -146,7 +156,16 @@ impl Scaled {
             let units = DVector::from_iterator(count, per_metric(dimensions));
             scaled_jacobian(&jacobian, &rows, &units)
         };
+        let dimensions = system.virtual_joint_dimensions();
+        let compliances = match system.virtual_joint_stiffness() {
+            Some(stiffness) => DVector::from_iterator(
+                stiffness.len(),
+                per_metric(dimensions).zip(&stiffness).map(|(unit, k)| 1.0 / (unit * k.sqrt())),
+            ),
+            None => DVector::repeat(dimensions.len(), 1.0),
+        };
         Ok(Self {
+            compliances,
             of_virtual_joints: scaled(
                 system.virtual_jacobian(at),
                 system.virtual_joint_dimensions(),
@@ -160,12 +179,19 @@ impl Sensitivity {
     fn from_jacobians(
         of_virtual_joints: &DMatrix<f64>,
         constraint_jacobian: DMatrix<f64>,
+        compliances: &DVector<f64>,
         characteristic_length: f64,
         relative_threshold: f64,
     ) -> Result<Self, Error> {
-        let of_virtual_joints = svd(of_virtual_joints)?;
-        let by_constraint =
-            -of_virtual_joints.pseudo_inverse(of_virtual_joints.rank(relative_threshold));
+        let mut weighed = of_virtual_joints.clone();
+        for (mut column, &compliance) in weighed.column_iter_mut().zip(compliances) {
+            column *= compliance;
+        }
+        let weighed = svd(&weighed)?;
+        let mut by_constraint = -weighed.pseudo_inverse(weighed.rank(relative_threshold));
+        for (mut row, &compliance) in by_constraint.row_iter_mut().zip(compliances) {
+            row *= compliance;
+        }
         let matrix = product(&by_constraint, &constraint_jacobian);
         let decomposition = svd(&matrix)?;
         Ok(Self {

@@ -296,6 +296,34 @@ fn the_curvature_of_the_constraints_is_needed() {
     assert!(all.rows(16, 8).norm() < 1e-12);
 }
 
+/// Two slides in series between a drive and the base: each has the share of its compliance, and half without stiffness.
+#[test]
+fn the_sensitivity_is_weighted_by_stiffness() {
+    for (stiffness, shares) in [(None, [0.5, 0.5]), (Some([1e6, 9e6]), [0.9, 0.1])] {
+        let joints = vec![
+            joint("drive", JointKind::Prismatic, [0, 1], [0.0; 3], [1.0, 0.0, 0.0]),
+            joint("pin", JointKind::Revolute, [1, 2], [0.0; 3], [0.0, 0.0, 1.0]),
+            joint("anchor", JointKind::Revolute, [2, 0], [0.1, 0.0, 0.0], [0.0, 0.0, 1.0]),
+        ];
+        let springs = [0, 1].map(|k| {
+            let stiffness = stiffness.map(|both: [f64; 2]| both[k]);
+            slide(["soft", "hard"][k], 1 + k, Carrier::First, [1.0, 0.0, 0.0], stiffness)
+        });
+        let mechanism = Mechanism::new("springs", names(3), joints).unwrap();
+        let mechanism = mechanism.with_virtual_joints(springs.to_vec()).unwrap();
+        let case = Case::new(mechanism, &[(0, 1e-4)]);
+        let system = case.system();
+        let found =
+            commanded_sensitivity(&system, &system.at_home(), &case.commanded, 0.1, RANK_THRESHOLD)
+                .unwrap();
+        near(found.matrix.abs().as_slice(), &shares, 1e-12);
+        let length = f64::hypot(shares[0], shares[1]);
+        assert!((found.singular_values()[0] - length).abs() < 1e-12);
+        let (all, _) = case.velocity_at(&case.at, &[1.0]);
+        near(found.matrix.as_slice(), all.rows(3, 2).as_slice(), 1e-9);
+    }
+}
+
 #[test]
 fn a_commanded_ball_moves_by_its_angular_velocity() {
     // An open chain, commanded by all of its joints.

@@ -31,6 +31,11 @@ pub trait System {
     /// (M) physical dimension of each virtual joint.
     fn virtual_joint_dimensions(&self) -> Vec<Dimension>;
 
+    /// (M) stiffness of each virtual joint, which weighs its displacement, if all have one (N/m, N m/rad).
+    fn virtual_joint_stiffness(&self) -> Option<DVector<f64>> {
+        None
+    }
+
     /// A length typical of the mechanism, by which lengths and angles are made comparable (m).
     fn characteristic_length(&self) -> f64;
 

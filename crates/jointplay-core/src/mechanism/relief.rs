@@ -83,12 +83,7 @@ impl Relief {
 /// Weights of the virtual joints: 1 for a slide and ρ² for a turn, or their stiffness where all have one.
 #[must_use]
 pub fn virtual_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
-    let virtual_joints = system.kinematics().mechanism().virtual_joints();
-    let stiff: Option<Vec<f64>> = virtual_joints.iter().map(|joint| joint.stiffness).collect();
-    match stiff {
-        Some(stiffness) if !stiffness.is_empty() => DVector::from_vec(stiffness),
-        _ => metric_weights(system),
-    }
+    system.virtual_joint_stiffness().unwrap_or_else(|| metric_weights(system))
 }
 
 /// √(Σ w x²) of displacements of the virtual joints, with w = 1 for a slide and ρ² for a turn, whatever stiffness they have (m).

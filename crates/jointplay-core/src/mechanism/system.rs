@@ -360,6 +360,12 @@ impl System for MechanismSystem<'_> {
         self.kinematics.dimensions()[self.freedoms()..].to_vec()
     }
 
+    fn virtual_joint_stiffness(&self) -> Option<DVector<f64>> {
+        let virtual_joints = self.kinematics.mechanism().virtual_joints();
+        let all: Option<Vec<f64>> = virtual_joints.iter().map(|joint| joint.stiffness).collect();
+        all.filter(|stiffness| !stiffness.is_empty()).map(DVector::from_vec)
+    }
+
     /// The user's, or the root mean square distance of the joints from their middle at home.
     fn characteristic_length(&self) -> f64 {
         self.characteristic_length
