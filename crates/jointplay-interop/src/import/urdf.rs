@@ -232,6 +232,14 @@ fn joint<'a>(
     let parent_from_child = origin.map_or(Ok(Pose::identity()), |origin| pose_of(draft, origin))?;
     let has_axis = matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
     let xyz = axis.filter(|_| has_axis).and_then(|axis| attribute(axis, "xyz"));
+    if let Some(axis) = axis.filter(|_| has_axis) {
+        let has_text = axis.text().is_some_and(|text| !text.trim().is_empty());
+        if xyz.is_none() && (has_text || axis.attributes().len() > 0) {
+            let advice = Advice("write it as <axis xyz=\"0 0 1\"/>");
+            return Err(xml.unsupported(axis, "an <axis> without xyz", advice));
+        }
+        draft.ignore_attributes(axis, &["xyz"]);
+    }
     let z = match xyz {
         Some(xyz) => xml.direction(&xyz)?,
         None if has_axis => Vector3::x_axis(),
@@ -250,8 +258,14 @@ fn joint<'a>(
         match value.text {
             "revolute" | "prismatic" if least.is_infinite() && most.is_infinite() => {}
             "revolute" | "prismatic" if least < most => joint.limits = vec![[least, most]],
+            "revolute" | "prismatic" if least > most => {
+                let advice = Advice("the lower one is 0 where it is not written");
+                return Err(xml.unsupported(limit, "a <limit> with lower above upper", advice));
+            }
             "revolute" | "prismatic" if has_bounds => {
-                draft.ignore("limit whose lower is not below its upper");
+                draft.ignore(
+                    "limit whose lower is its upper, of a joint that is imported without limits",
+                );
             }
             // By the format, both ends are 0 by default, which would lock the joint. Files that omit them mean a joint without limits, and programs disagree.
             "revolute" | "prismatic" => {
@@ -329,6 +343,35 @@ mod tests {
             "1 × visual",
         ];
         assert_eq!(model.ignored, ignored);
+    }
+
+    #[test]
+    fn a_quaternion_turns_as_the_angles_do() {
+        let angles = testing::read(ARM).mechanism.joints()[0].frames;
+        // Sine and cosine of half of 0.5 rad, both doubled.
+        let quaternion = "quat_xyzw=\"0 0 0.494807918509046 1.937824843421291\"";
+        let frames =
+            testing::read(&ARM.replace("rpy=\"0 0 0.5\"", quaternion)).mechanism.joints()[0].frames;
+        let difference = frames[0].to_homogeneous() - angles[0].to_homogeneous();
+        assert!(difference.norm() < 1e-14, "{difference}");
+    }
+
+    #[test]
+    fn attributes_that_would_move_a_joint_are_not_passed_over() {
+        let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
+        let origin = "<origin xzy=\"0 0 1\" rpy=\"0 0 0.5\"/>";
+        refuse("xyz=\"0 0 1\"", "xzy=\"0 0 1\"", origin, "`xzy` of <origin>");
+        let both = "<origin xyz=\"0 0 1\" rpy=\"0 0 0.5\" quat_xyzw=\"0 0 0 1\"/>";
+        refuse("0.5\"/>", "0.5\" quat_xyzw=\"0 0 0 1\"/>", both, "both rpy and quat_xyzw");
+        refuse("rpy=\"0 0 0.5\"", "quat_xyzw=\"0 0 0 0\"", "0 0 0 0", "4 numbers, not all 0");
+        let axis = "<axis xyz=\"0 1 0\"/>";
+        refuse(axis, "<axis xzy=\"0 1 0\"/>", "<axis xzy=\"0 1 0\"/>", "an <axis> without xyz");
+        refuse(axis, "<axis>0 1 0</axis>", "<axis>0 1 0</axis>", "an <axis> without xyz");
+        let limit = "<limit lower=\"2\" upper=\"1\" effort=\"5\" velocity=\"1\"/>";
+        refuse("lower=\"-1\"", "lower=\"2\"", limit, "lower above upper");
+        // Files of other tools have angles in the axis, which have no effect.
+        let model = testing::read(&ARM.replace("<axis ", "<axis rpy=\"0 0 0\" "));
+        assert!(model.ignored.contains(&"1 × rpy of axis".to_owned()), "{:?}", model.ignored);
     }
 
     #[test]

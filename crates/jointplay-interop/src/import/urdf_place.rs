@@ -1,12 +1,15 @@
 //! Links and poses that elements of URDF name.
 
 use jointplay_core::spatial::Pose;
-use nalgebra::{Rotation3, Translation3};
+use nalgebra::{Quaternion, Rotation3, Translation3, UnitQuaternion};
 use roxmltree::Node;
 
 use super::draft::Draft;
 use super::problem::Error;
-use super::xml::attribute;
+use super::xml::{Advice, attribute};
+
+/// Least length of a quaternion that has a direction.
+const LEAST_QUATERNION: f64 = 1e-9;
 
 /// The link at an end of a joint.
 pub(super) fn end<'a>(
@@ -28,7 +31,24 @@ pub(super) fn pose_of<'a>(draft: &Draft<'a>, origin: Node<'a, 'a>) -> Result<Pos
         let value = attribute(origin, name);
         value.map(|value| xml.vector(&value)).transpose().map(Option::unwrap_or_default)
     };
+    let known = ["xyz", "rpy", "quat_xyzw"];
+    if let Some(other) = origin.attributes().find(|found| !known.contains(&found.name())) {
+        let what = format!("`{}` of <origin>", other.name());
+        return Err(xml.unsupported(origin, what, Advice("it has xyz, and rpy or quat_xyzw")));
+    }
     let (xyz, rpy) = (vector("xyz")?, vector("rpy")?);
-    let rotation = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z);
+    let rotation = match attribute(origin, "quat_xyzw") {
+        None => Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z),
+        Some(_) if attribute(origin, "rpy").is_some() => {
+            let what = "an <origin> with both rpy and quat_xyzw";
+            return Err(xml.unsupported(origin, what, Advice("keep one of them")));
+        }
+        Some(value) => {
+            let [x, y, z, w] = xml.numbers(&value, "4 numbers")?;
+            let turned = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), LEAST_QUATERNION);
+            let turned = turned.ok_or_else(|| xml.unusable(&value, "4 numbers, not all 0"))?;
+            turned.to_rotation_matrix()
+        }
+    };
     Ok(Pose::from_parts(Translation3::from(xyz), rotation))
 }

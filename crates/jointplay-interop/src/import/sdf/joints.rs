@@ -173,7 +173,16 @@ impl<'a> Reader<'a> {
         if least < most {
             return Ok([least, most]);
         }
-        self.draft.ignore("limit whose lower is not below its upper");
+        if least > most {
+            let advice = Advice("exchange them");
+            return Err(self.draft.xml.unsupported(
+                limit,
+                "a <limit> with lower above upper",
+                advice,
+            ));
+        }
+        self.draft
+            .ignore("limit whose lower is its upper, of a joint that is imported without limits");
         Ok(NONE)
     }
 }

@@ -50,7 +50,7 @@ pub(super) struct Reader<'a> {
     /// Link of the mechanism for each frame that is a link.
     pub(super) link_of_frame: Vec<Option<usize>>,
     /// Controllers of joints to positions.
-    controllers: Vec<Node<'a, 'a>>,
+    controllers: Vec<(usize, Node<'a, 'a>)>,
     /// Prefix, with `::`, of the only model of a file: its links need no prefix.
     pub(super) only_model: Option<String>,
 }
@@ -153,7 +153,7 @@ impl<'a> Reader<'a> {
                         if attribute(inner, "name")
                             .is_some_and(|name| name.text == POSITION_CONTROLLER) =>
                     {
-                        self.controllers.push(inner);
+                        self.controllers.push((scope, inner));
                     }
                     "include" => return Err(xml.unsupported(inner, "<include>", EXPAND)),
                     _ if in_world && WORLD_ASIDE.contains(&name) => self.draft.ignore(name),
@@ -180,8 +180,9 @@ impl<'a> Reader<'a> {
 
     /// Marks the joints that a controller drives to positions as actuated.
     fn actuate(&mut self) {
-        for plugin in std::mem::take(&mut self.controllers) {
-            let joint = child(plugin, "joint_name").and_then(|name| self.draft.joint(name.text));
+        for (scope, plugin) in std::mem::take(&mut self.controllers) {
+            let frame = child(plugin, "joint_name").map(|name| self.frames.find(scope, &name));
+            let joint = frame.and_then(|found| self.draft.joint(self.shown(found.ok()?)));
             match joint {
                 Some(joint) => self.draft.descriptions[joint].actuated = true,
                 None => self.draft.ignore("position controller of an unknown joint"),
@@ -370,6 +371,45 @@ mod tests {
         refuse("body>carrier", "body>cart", "cart", "frame \"cart\" is not known");
     }
 
+    /// Before, a name was looked for among the joints of the whole file.
+    #[test]
+    fn a_position_controller_drives_the_joint_of_its_own_model() {
+        let joint = |name: &str, parent: &str, child: &str| {
+            format!(
+                "<joint name=\"{name}\" type=\"revolute\"><parent>{parent}</parent><child>{child}</child><axis><xyz>0 0 1</xyz></axis></joint>"
+            )
+        };
+        let controller = format!(
+            "<plugin filename=\"f\" name=\"{POSITION_CONTROLLER}\"><joint_name>A</joint_name></plugin>"
+        );
+        let links =
+            |names: [&str; 2]| names.map(|name| format!("<link name=\"{name}\"/>")).concat();
+        let inner = format!(
+            "<model name=\"s\">{}{}{controller}</model>",
+            links(["l", "k"]),
+            joint("A", "l", "k")
+        );
+        let fixed = "<joint name=\"f\" type=\"fixed\"><parent>world</parent><child>base</child></joint><joint name=\"w\" type=\"fixed\"><parent>arm</parent><child>s::l</child></joint>";
+        let model = format!(
+            "<model name=\"m\">{}{fixed}{}{inner}</model>",
+            links(["base", "arm"]),
+            joint("A", "base", "arm")
+        );
+        let actuated = |text: String| {
+            let model = testing::read(&text);
+            assert!(
+                !model.ignored.iter().any(|what| what.contains("unknown")),
+                "{:?}",
+                model.ignored
+            );
+            let joints = model.mechanism.joints().iter().filter(|joint| joint.actuated);
+            joints.map(|joint| joint.name.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(actuated(format!("<sdf version=\"1.9\">{model}</sdf>")), ["s::A"]);
+        let world = format!("<sdf version=\"1.9\"><world name=\"w\">{model}</world></sdf>");
+        assert_eq!(actuated(world), ["m::s::A"]);
+    }
+
     #[test]
     fn in_a_world_a_free_model_floats() {
         let text =
@@ -451,9 +491,13 @@ mod tests {
         assert_eq!(limit("revolute", "-1", "inf"), lower);
         let one = "<axis><limit><lower>0.2</lower></limit></axis>";
         assert_eq!(knee("prismatic", one).mechanism.joints()[0].limits, [[0.2, f64::INFINITY]]);
-        let reversed = "1 × limit whose lower is not below its upper";
-        assert_eq!(limit("revolute", "0", "0"), (vec![], reversed.to_owned()));
+        let equal =
+            "1 × limit whose lower is its upper, of a joint that is imported without limits";
+        assert_eq!(limit("revolute", "0", "0"), (vec![], equal.to_owned()));
         assert_eq!(limit("screw", "0", "1"), (vec![], "1 × limit of a screw joint".to_owned()));
+        let limits = "<axis><limit><lower>2</lower><upper>1</upper></limit>";
+        let blamed = "<limit><lower>2</lower><upper>1</upper></limit>";
+        testing::refuse(ARM, "<axis>", limits, blamed, "lower above upper");
     }
 
     #[test]
