@@ -74,6 +74,14 @@ pub enum Error {
         /// The unit of the file, or that of SI where the value is too large for the former.
         unit: String,
     },
+    /// A ball of which only one or two coordinates are commanded.
+    #[error(
+        "joint `{joint}` is a ball: command all of {joint}[0], {joint}[1], {joint}[2], its rotation vector, or none of them"
+    )]
+    PartlyCommanded {
+        /// The joint.
+        joint: String,
+    },
     /// A joint without freedoms.
     #[error("joint `{joint}` is fixed and has no coordinate")]
     Fixed {
@@ -205,6 +213,12 @@ impl Coordinates {
         let known: Vec<String> = named.iter().map(|one| one.name.clone()).collect();
         let nearest = nearest(name, known.iter().map(String::as_str));
         Err(Error::Unknown { found: joint, nearest, known })
+    }
+
+    /// The error of commands that have only some coordinates of the ball at coordinate `k`.
+    #[must_use]
+    pub fn partly_commanded(&self, k: usize) -> Error {
+        Error::PartlyCommanded { joint: self.named[k].joint.clone() }
     }
 
     /// Converts a value of coordinate `k` from the file's unit to SI (m, rad).

@@ -392,11 +392,7 @@ impl PyMechanism {
         });
         let Rows { values, residuals, status } = solved.map_err(|error| match error {
             jointplay::Error::PartlyCommanded { coordinate } => {
-                let joint = &this.coordinates.all()[coordinate].joint;
-                let message = format!(
-                    "joint \"{joint}\": some of {joint}[0], {joint}[1], {joint}[2] are commanded, but positions take all three coordinates of a rotation vector or none"
-                );
-                errors::input(py, &message)
+                errors::input(py, &this.coordinates.partly_commanded(coordinate).to_string())
             }
             error => errors::core(py, &error),
         })?;

@@ -92,6 +92,9 @@ impl Jacobian {
             &parameters,
         )
         .map_err(|error| match error {
+            JacobianError::Motion(jointplay::Error::PartlyCommanded { coordinate }) => {
+                Failure::Usage(input.coordinates.partly_commanded(coordinate).to_string())
+            }
             JacobianError::Motion(error) => Failure::from(error),
             error @ JacobianError::Parameter { .. } => Failure::Unsolved(error.to_string()),
         })?;
