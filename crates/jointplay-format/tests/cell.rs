@@ -166,6 +166,16 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse("slots = 25", "slots = 0", "`slots` is 0, but has to be from 1 to 1000");
     refuse("wafers = \"all\"", "wafers = [3, 26]", "`wafers` is 26, but has to be from 1 to 25");
     refuse("wafers = \"all\"", "wafers = [3, 3]", "slot 3 is listed twice");
+    // One error each, and none that follows from it.
+    for (from, to, message) in [
+        ("slots = 25", "slots = 1001", "`slots` is 1001, but has to be from 1 to 1000"),
+        ("pitch_mm = 10.0", "pitch_mm = 0", "`pitch_mm` is 0, but has to be positive"),
+        ("thickness_mm = 0.775", "thickness_mm = inf", "but has to be a finite number"),
+    ] {
+        let text = EXAMPLE.replacen(from, to, 1).replacen("wafers = \"all\"", "wafers = [2]", 1);
+        let found: Vec<String> = problems(&text).iter().map(ToString::to_string).collect();
+        assert!(found.len() == 1 && found[0].contains(message), "{found:?}");
+    }
     refuse(
         "wafers = \"all\"",
         "wafers = [1, \"5-9\"]",
@@ -299,7 +309,7 @@ fn station_frames_follow_from_taught_points_or_carrier_axis() {
     let message = taught("[[0, 0, 500], [1, 0, 500]]");
     assert!(message.contains("2 taught points determine no plane"), "{message}");
     let message = taught("[[0, 0, 500], [100, 0, 500], [200, 0, 500.001]]");
-    assert!(message.contains("µm of one line"), "{message}");
+    assert!(message.contains("deviate from one line by 0.2 µm"), "{message}");
     let message = taught("[[0, 0, 500], [100, 0, 500], [0, 100, 503]]");
     assert!(message.contains("tilts 1.718° toward -90.0°"), "{message}");
     let message = refused(&format!(

@@ -78,7 +78,7 @@ fn invalid_taught_points_name_the_place_the_reason_and_what_works() {
     for (taught, expected) in [
         (
             "points_mm = [[800, 0, 620], [700, 0, 620], [600, 0, 620]]",
-            &["of one line", "best near 700, "][..],
+            &["from one line", "best near 700, "][..],
         ),
         (
             "points_mm = [[800, 0, 620], [700, 0, 620], [800, 0, 620]]",

@@ -7,7 +7,9 @@ use nalgebra::{Vector2, Vector3};
 
 use super::description::SlotId;
 use super::waypoints::Waypoints;
-use crate::robot::{ArmChain, EffectorId, HybridRobot, PlanarPath, PostureCandidate, PosturePath};
+use crate::robot::{
+    ArmChain, Axis, EffectorId, HybridRobot, PlanarPath, PostureCandidate, PosturePath,
+};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
@@ -218,8 +220,8 @@ impl Cell {
             let candidates = robot.posture_candidates(effector, line).ok()?;
             let path = robot.posture_path(effector, line, candidates.first()?);
             let positions = path.positions.iter().map(|arm_positions| arm_positions[index]);
-            let (min, max) = positions
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), q| (a.min(q), b.max(q)));
+            let Axis { min, max, .. } = &self.robot.axes[axis];
+            let (min, max) = positions.fold((*min, *max), |(a, b), q| (a.min(q), b.max(q)));
             Some(LineRemedy::Limits { axis, min, max })
         });
         widened.collect()

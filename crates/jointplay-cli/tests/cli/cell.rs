@@ -651,6 +651,49 @@ fn a_place_out_of_reach_is_a_no() {
     assert!(run.stderr.contains("far.program:2:"), "{}", run.stderr);
 }
 
+/// Before, a motor ratio without closed form had a span of links from 0 to their sum, and the target was "0.000 mm away".
+#[test]
+fn an_arm_without_closed_form_states_no_span_of_its_links() {
+    let sandbox = sandbox(&[]);
+    let robot = sandbox.done("catalogue show radial-arm");
+    assert!(robot.contains("drives = { R = -2 }"));
+    sandbox.write("own.toml", &robot.replace("drives = { R = -2 }", "drives = { R = -2.5 }"));
+    let cell = "kind = \"cell\"\nname = \"x\"\nrobot = \"own.toml\"\n[wafer]\ndiameter_mm = 300\nthickness_mm = 0.775\nmaterial = \"silicon\"\n[budgets]\nvirtual_joint_norm_um = 60\nmin_distance_mm = 1.0\nslot_min_distance_mm = 0.5\nplane_urad = 50\n[[station]]\nname = \"S\"\nslots = 3\npitch_mm = 10\nposition_mm = [0, 600, 550]\nstroke = { below_mm = 2, above_mm = 2, speed_mm_s = 15 }\nretract_mm = 30\nwafers = [2]\n";
+    sandbox.write("one.toml", cell);
+    sandbox.write("one.program", "GET S SLOT 2\n");
+    let run = sandbox.run("cell check one.toml");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(
+        run.stderr.contains("no positions were found that bring the wafer there"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn options_that_do_not_suit_the_taught_points_are_usage() {
+    let sandbox = sandbox(&[]);
+    let points = "--point-mm 300,606,600 --point-mm 400,606,600 --point-mm 350,706,600";
+    for (rest, message) in [
+        (format!("{points} --noise-um 1,2"), "--noise-um has 2 values for 3 points"),
+        (
+            "--reference 0,0=350,606,600 --reference-noise-um 1,2".to_owned(),
+            "2 values for 1 reference:",
+        ),
+        (
+            "--first-mm 350,606,600 --last-mm 350,606,700".to_owned(),
+            "need a station with several slots",
+        ),
+    ] {
+        let run = sandbox.run(&format!("cell teach example.toml --station ALIGN {rest}"));
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    }
+    let one =
+        sandbox.run("cell teach example.toml --station ALIGN --reference 0,0=350.1,606.2,600");
+    assert!(one.stdout.contains("; reference points\n"), "{}", one.stdout);
+}
+
 #[test]
 fn files_that_are_not_there_are_named() {
     let sandbox = Sandbox::new();
@@ -663,6 +706,8 @@ fn files_that_are_not_there_are_named() {
         ("cell export --dialect rapid.toml", "cannot read rapid.toml"),
         ("cell export --rate 0", "must be from 0.1 to 100000 Hz"),
         ("cell export --to step", "possible values: csv"),
+        ("cell optimise --blend-mm 1001", "must be from 0 to 1000 mm, got 1001 mm"),
+        ("cell optimise --speed-percent 0.005", "must be from 0.01 to 100 %, got 0.005 %"),
         ("cell teach --station LP9", "known: LP1, LP2, ALIGN, PM1"),
         ("cell teach --point-mm 1,2,3", "--station"),
         ("cell teach --station LP1 --point-mm 1,2", "expected 3 coordinates, got 2"),

@@ -230,9 +230,9 @@ pub fn explain_teach(error: &TeachError, units: DisplayUnits) -> String {
             )
         }
         TeachError::Collinear { spread, min, best } => format!(
-            "the taught points lie within {} of one line, which leaves the tilt about it undetermined: teach a point at least {} from it, best near {}, {}, {}",
+            "the taught points deviate from one line by {} (root mean square), but the tilt about it needs more than {}: teach a point off the line, best near {}, {}, {}",
             units.small(*spread, 1),
-            units.length(*min, 1),
+            units.small(*min, 1),
             units.bare(best.x, 0),
             units.bare(best.y, 0),
             units.bare(best.z, 0)

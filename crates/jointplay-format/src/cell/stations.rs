@@ -125,7 +125,7 @@ fn station(
     let stroke = stroke(table);
     let process_time = table.number_or("process_s", AllowedRange::NotNegative, 0.0);
     let dwell = dwell(table, process_time);
-    let wafers = wafers(table, slots.unwrap_or(1));
+    let wafers = wafers(table, slots.unwrap_or(MAX_SLOTS));
     let Place { frame, origin, uncertainty, pitch } = placed?;
     let station = Station {
         name: name?,
@@ -213,7 +213,9 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>, sensors: &Sensors) -> 
     }
     let nominal_pitch = || match pitch {
         None if slots > 1 => {
-            table.missing("pitch_mm");
+            if table.entry("pitch_mm").is_none() {
+                table.missing("pitch_mm");
+            }
             None
         }
         pitch => Some(pitch.unwrap_or(0.0)),

@@ -107,13 +107,19 @@ fn line_remedies(
             };
             format!(
                 "extend the range of {name} to [{:.0}, {:.0}] {unit}",
-                min * factor,
-                max * factor
+                outward(min * factor, f64::floor),
+                outward(max * factor, f64::ceil)
             )
         }
     };
     let all: Vec<String> = remedies.iter().map(remedy).collect();
     format!("; any of these helps: {}", all.join(", or "))
+}
+
+/// An end of a range, rounded away from its middle; unchanged where it is whole but for round-off.
+fn outward(end: f64, round: fn(f64) -> f64) -> f64 {
+    let nearest = end.round();
+    if (end - nearest).abs() < 1e-6 { nearest } else { round(end) }
 }
 
 fn remedy(leveling: &Leveling) -> String {

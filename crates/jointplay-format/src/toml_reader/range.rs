@@ -39,6 +39,7 @@ impl AllowedRange {
         match self {
             Self::Within(min, max) => format!("from {} to {}", number(min), number(max)),
             _ if value.is_finite() && value.abs() > LARGEST => format!("within ±{LARGEST:e}"),
+            _ if value == f64::INFINITY => "a finite number".to_owned(),
             Self::Any => "a finite number".to_owned(),
             Self::Positive if value > 0.0 => format!("at least {LEAST_POSITIVE:e}"),
             Self::Positive => "positive".to_owned(),

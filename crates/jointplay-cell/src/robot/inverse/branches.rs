@@ -215,15 +215,6 @@ impl HybridRobot {
         if let Some(error) = failure {
             return Err(error);
         }
-        if branches.is_empty() && out_of_reach.is_none() {
-            let distance = (point - chain.origin).norm();
-            let max = chain
-                .link_vectors()
-                .iter()
-                .map(|link_vector| link_vector.vector.norm())
-                .sum::<f64>();
-            out_of_reach = Some(OutOfReach { distance, min: 0.0, max });
-        }
         let mut plane_violations = Vec::new();
         for rod in 0..RODS {
             self.check_axis(rod, start[rod], &mut plane_violations);

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::fit_result::FitResult;
 use super::plane::{PlaneFit, is_testable};
-use super::uncertainty::largest_of_two;
+use super::uncertainty::{coverage, largest_of_two};
 
 /// Largest number of further points that are proposed.
 pub const MAX_NEXT_POINTS: usize = 40;
@@ -64,10 +64,18 @@ impl PlaneFit {
             information += row * row.transpose() / (noise * noise);
             radius = radius.max(row.y.hypot(row.z));
         }
+        // Where the noise is not known, an estimate from enough points counts; until there is one, that of the new points decides about the tilt.
+        let is_estimated = !known && is_testable(false, self.points.len());
+        let estimated = self.uncertainty.as_ref().filter(|_| is_estimated).map(|it| it.noise);
         let is_enough = |information: &Matrix3<f64>, points: usize| {
-            // Where the noise is not known, its estimate from the new points decides about the tilt.
-            let is_certain = !known || coverage_factor * largest_slope(information) <= allowed;
-            is_testable(known, points) && is_certain
+            let tilt = match estimated {
+                Some(noise) => {
+                    noise * coverage(coverage_factor, Some(points - 3)) * largest_slope(information)
+                }
+                None if known => coverage_factor * largest_slope(information),
+                None => 0.0,
+            };
+            is_testable(known, points) && tilt <= allowed
         };
         // Less noise alone helps only where the points can be tested.
         let noise = (known
@@ -131,6 +139,29 @@ mod tests {
             more.pop();
             assert!(all(&more).next_points(allowed, 2.0).is_some(), "{next:?}");
         }
+    }
+
+    #[test]
+    fn an_estimated_noise_determines_how_many_points_are_missing() {
+        let mut places = points(&[(0.1, 0.0), (0.0, 0.1), (-0.1, 0.0), (0.0, -0.1)]);
+        places.extend(points(&[(0.07, 0.07), (-0.07, 0.07), (-0.07, -0.07)]));
+        places.iter_mut().enumerate().for_each(|(k, at)| at.z += 4e-6 * (k as f64 * 2.4).sin());
+        let fit = fit_plane(&places, 1e-4, None).unwrap();
+        let uncertain = fit.uncertainty.as_ref().unwrap().expanded_tilt(2.0);
+        let allowed = 0.7 * uncertain;
+        assert_eq!(fit.result_for(allowed, 2.0), FitResult::Uncertain);
+        let next = fit.next_points(allowed, 2.0).unwrap();
+        assert!(next.suffices && !next.points.is_empty() && next.noise.is_none(), "{next:?}");
+        // Further points that repeat the noise of the others make the tilt certain enough.
+        let noise = fit.uncertainty.as_ref().unwrap().noise;
+        places.extend(
+            next.points
+                .iter()
+                .enumerate()
+                .map(|(k, at)| at + fit.normal * noise * if k % 2 == 0 { 0.5 } else { -0.5 }),
+        );
+        let more = fit_plane(&places, 1e-4, None).unwrap();
+        assert_eq!(more.result_for(allowed, 2.0), FitResult::Fits);
     }
 
     #[test]

@@ -9,10 +9,10 @@ use jointplay::cell::optimise::{
     Candidate, Evaluation, MotionSettings, Objectives, OptimiseOptions, Search, TimingModel,
     WaferFlow,
 };
-use jointplay::cell::program::Program;
+use jointplay::cell::program::{AllowedValues, Program};
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, PlanOptions};
-use jointplay::format::number::counted;
+use jointplay::format::number::{counted, number};
 use jointplay::format::program;
 use jointplay::format::units::{m_from_mm, mm};
 use serde::Serialize;
@@ -114,16 +114,24 @@ struct StationDocument {
 }
 
 fn radius(text: &str) -> Result<f64, String> {
-    match length(text)? {
-        radius if radius >= 0.0 => Ok(m_from_mm(radius)),
-        radius => Err(format!("a blend radius must not be negative, got {radius} mm")),
-    }
+    within(length(text)?, AllowedValues::BLEND_RADIUS, "mm").map(m_from_mm)
 }
 
 fn percent(text: &str) -> Result<f64, String> {
-    match finite(text)? {
-        share if share > 0.0 && share <= 100.0 => Ok(share / 100.0),
-        share => Err(format!("a speed must be above 0 and at most 100 %, got {share} %")),
+    within(finite(text)?, AllowedValues::SPEED, "%").map(|percent| percent / 100.0)
+}
+
+/// A value that programs can contain.
+fn within(
+    value: f64,
+    AllowedValues { min, max, .. }: AllowedValues,
+    unit: &str,
+) -> Result<f64, String> {
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        let [value, min, max] = [value, min, max].map(number);
+        Err(format!("must be from {min} to {max} {unit}, got {value} {unit}"))
     }
 }
 

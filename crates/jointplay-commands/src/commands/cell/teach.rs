@@ -16,7 +16,7 @@ use jointplay::report::{
 
 use super::input::{CellArgs, CellSource};
 use crate::arguments::{finite, length};
-use crate::failure::Failure;
+use crate::failure::{Diagnostic, Failure};
 use crate::figure::FigureArgs;
 use crate::folder::{self, ForceArgs};
 use crate::output;
@@ -141,6 +141,8 @@ impl Teach {
                 return Err(Failure::Usage(not_known("the station", station, &names)));
             }
             let changes = self.changes();
+            let slots = source.cell.stations.iter().find(|one| one.name == *station);
+            self.check_usage(slots.map_or(1, |station| station.slots))?;
             if !changes.is_empty() {
                 source = changed(source, station, &changes)?;
                 if self.write {
@@ -161,6 +163,27 @@ impl Teach {
         }
         let unjudged: Vec<String> = document.stations.iter().flat_map(unjudged).collect();
         if unjudged.is_empty() { Ok(()) } else { Err(Failure::Unsolved(unjudged.join("\n"))) }
+    }
+
+    /// Whether the options suit each other and the station.
+    fn check_usage(&self, slots: usize) -> Result<(), Failure> {
+        let counts = [
+            ("noise-um", &self.noise_um, self.point_mm.len(), "point"),
+            ("reference-noise-um", &self.reference_noise_um, self.reference.len(), "reference"),
+        ];
+        for (option, noises, points, what) in counts {
+            if noises.len() > 1 && noises.len() != points {
+                let (found, needed) = (counted(noises.len(), "value"), counted(points, what));
+                let text =
+                    format!("--{option} has {found} for {needed}: give one, or one for each");
+                return Err(Failure::Usage(text));
+            }
+        }
+        if self.first_mm.is_some() && slots < 2 {
+            let text = "--first-mm and --last-mm need a station with several slots, but it has one";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        Ok(())
     }
 
     /// The picture of the selected stations.
@@ -214,11 +237,9 @@ fn changed(source: CellSource, station: &str, changes: &[Change]) -> Result<Cell
     let label = source.label.clone();
     match CellSource::parse(source.label, source.stem, text, source.folder, &[]) {
         // The file was valid before: the new points are infeasible. They are not in the file, so that no line of it is quoted.
-        Err(Failure::Invalid(mut all)) => {
-            for one in &mut all {
-                one.excerpt = format!("{label}: station {station}: {}", one.message);
-            }
-            Err(Failure::Infeasible(all))
+        Err(Failure::Invalid(all)) => {
+            let message = |one: &Diagnostic| format!("{label}: station {station}: {}", one.message);
+            Err(Failure::Unsolved(all.iter().map(message).collect::<Vec<_>>().join("\n")))
         }
         other => other,
     }
@@ -291,6 +312,7 @@ fn text(report: &TeachReport) -> String {
 fn write_station(text: &mut String, station: &StationReport, limit: f64) {
     let [x, y, z] = station.position_mm.map(|value| fixed(value, 3));
     let origin = match station.from {
+        "taught" if station.plane.is_none() => "reference points",
         "taught" => "plane of taught points",
         "carrier axis" => "positions of first and last wafer",
         _ => "nominal, not taught",
