@@ -88,7 +88,7 @@ pub fn sensitivity<S: System + ?Sized>(
     Sensitivity::from_jacobians(
         &scaled.of_virtual_joints,
         scaled.of_coordinates,
-        &scaled.compliances,
+        &scaled.weights,
         characteristic_length,
         relative_threshold,
     )
@@ -123,7 +123,7 @@ pub fn commanded_sensitivity<S: System + ?Sized>(
     Sensitivity::from_jacobians(
         &(&open * scaled.of_virtual_joints),
         &open * scaled.of_coordinates.select_columns(commanded),
-        &scaled.compliances,
+        &scaled.weights,
         characteristic_length,
         relative_threshold,
     )
@@ -133,8 +133,8 @@ pub fn commanded_sensitivity<S: System + ?Sized>(
 struct Scaled {
     of_virtual_joints: DMatrix<f64>,
     of_coordinates: DMatrix<f64>,
-    /// (M) roots of the compliances of the virtual joints in the metric; 1 where they have none.
-    compliances: DVector<f64>,
+    /// (M) 1/√k of each virtual joint, with its stiffness k in the metric; 1 where there is none.
+    weights: DVector<f64>,
 }
 
 impl Scaled {
@@ -157,7 +157,7 @@ impl Scaled {
             scaled_jacobian(&jacobian, &rows, &units)
         };
         let dimensions = system.virtual_joint_dimensions();
-        let compliances = match system.virtual_joint_stiffness() {
+        let weights = match system.virtual_joint_stiffness() {
             Some(stiffness) => DVector::from_iterator(
                 stiffness.len(),
                 per_metric(dimensions).zip(&stiffness).map(|(unit, k)| 1.0 / (unit * k.sqrt())),
@@ -165,7 +165,7 @@ impl Scaled {
             None => DVector::repeat(dimensions.len(), 1.0),
         };
         Ok(Self {
-            compliances,
+            weights,
             of_virtual_joints: scaled(
                 system.virtual_jacobian(at),
                 system.virtual_joint_dimensions(),
@@ -179,18 +179,18 @@ impl Sensitivity {
     fn from_jacobians(
         of_virtual_joints: &DMatrix<f64>,
         constraint_jacobian: DMatrix<f64>,
-        compliances: &DVector<f64>,
+        weights: &DVector<f64>,
         characteristic_length: f64,
         relative_threshold: f64,
     ) -> Result<Self, Error> {
         let mut weighed = of_virtual_joints.clone();
-        for (mut column, &compliance) in weighed.column_iter_mut().zip(compliances) {
-            column *= compliance;
+        for (mut column, &weight) in weighed.column_iter_mut().zip(weights) {
+            column *= weight;
         }
         let weighed = svd(&weighed)?;
         let mut by_constraint = -weighed.pseudo_inverse(weighed.rank(relative_threshold));
-        for (mut row, &compliance) in by_constraint.row_iter_mut().zip(compliances) {
-            row *= compliance;
+        for (mut row, &weight) in by_constraint.row_iter_mut().zip(weights) {
+            row *= weight;
         }
         let matrix = product(&by_constraint, &constraint_jacobian);
         let decomposition = svd(&matrix)?;

@@ -668,6 +668,11 @@ fn an_arm_without_closed_form_states_no_span_of_its_links() {
         "{}",
         run.stderr
     );
+    // Farther than all links together, whatever the ratios of the motors.
+    sandbox.write("far.toml", &cell.replace("[0, 600, 550]", "[0, 2000, 550]"));
+    let run = sandbox.run("cell check far.toml one.program");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("out of reach: the links would have to reach"), "{}", run.stderr);
 }
 
 #[test]

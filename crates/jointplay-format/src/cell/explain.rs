@@ -3,7 +3,7 @@
 use jointplay_cell::CellError;
 use jointplay_cell::jog::StopReason;
 use jointplay_cell::robot::{
-    Axis, AxisKind, Branch, BranchSelection, HybridRobot, Inverse, LimitViolation, OutOfReach,
+    Axis, AxisKind, Branch, BranchSelection, HybridRobot, LimitViolation, OutOfReach,
 };
 use jointplay_cell::station::teach::TeachError;
 use jointplay_cell::wafer::{DroopError, RejectedBranch, SagError, Unreachable};
@@ -125,23 +125,6 @@ pub fn explain_branch(robot: &HybridRobot, branch: &Branch, units: DisplayUnits)
         }
     };
     format!("{}: {why}", branch.configuration)
-}
-
-/// The reasons why no branch is possible, in one line; `None` if one is chosen.
-#[must_use]
-pub fn explain_unreachable(
-    robot: &HybridRobot,
-    inverse: &Inverse,
-    units: DisplayUnits,
-) -> Option<String> {
-    if inverse.chosen.is_some() {
-        return None;
-    }
-    let reach = inverse.out_of_reach.iter().map(|reach| explain_out_of_reach(reach, units));
-    let plane = inverse.plane_violations.iter().filter(|_| inverse.branches.is_empty());
-    let plane = plane.map(|limit| explain_limit(robot, limit, units));
-    let branches = inverse.branches.iter().map(|branch| explain_branch(robot, branch, units));
-    Some(reach.chain(plane).chain(branches).collect::<Vec<_>>().join("; "))
 }
 
 /// The reasons why jogging stops: one line for each limit, or for each elbow configuration of the arm.

@@ -348,8 +348,8 @@ mod tests {
     #[test]
     fn a_quaternion_turns_as_the_angles_do() {
         let angles = testing::read(ARM).mechanism.joints()[0].frames;
-        // Sine and cosine of half of 0.5 rad, both doubled.
-        let quaternion = "quat_xyzw=\"0 0 0.494807918509046 1.937824843421291\"";
+        // Sine and cosine of half of 0.5 rad.
+        let quaternion = "quat_xyzw=\"0 0 0.247403959254523 0.9689124217106447\"";
         let frames =
             testing::read(&ARM.replace("rpy=\"0 0 0.5\"", quaternion)).mechanism.joints()[0].frames;
         let difference = frames[0].to_homogeneous() - angles[0].to_homogeneous();
@@ -363,7 +363,9 @@ mod tests {
         refuse("xyz=\"0 0 1\"", "xzy=\"0 0 1\"", origin, "`xzy` of <origin>");
         let both = "<origin xyz=\"0 0 1\" rpy=\"0 0 0.5\" quat_xyzw=\"0 0 0 1\"/>";
         refuse("0.5\"/>", "0.5\" quat_xyzw=\"0 0 0 1\"/>", both, "both rpy and quat_xyzw");
-        refuse("rpy=\"0 0 0.5\"", "quat_xyzw=\"0 0 0 0\"", "0 0 0 0", "4 numbers, not all 0");
+        refuse("rpy=\"0 0 0.5\"", "quat_xyzw=\"0 0 0 0\"", "0 0 0 0", "a quaternion of length 1");
+        // The square of such a number is infinite.
+        refuse("rpy=\"0 0 0.5\"", "quat_xyzw=\"0 0 0 1e200\"", "0 0 0 1e200", "of length 1");
         let axis = "<axis xyz=\"0 1 0\"/>";
         refuse(axis, "<axis xzy=\"0 1 0\"/>", "<axis xzy=\"0 1 0\"/>", "an <axis> without xyz");
         refuse(axis, "<axis>0 1 0</axis>", "<axis>0 1 0</axis>", "an <axis> without xyz");

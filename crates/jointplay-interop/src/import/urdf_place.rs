@@ -8,8 +8,8 @@ use super::draft::Draft;
 use super::problem::Error;
 use super::xml::{Advice, attribute};
 
-/// Least length of a quaternion that has a direction.
-const LEAST_QUATERNION: f64 = 1e-9;
+/// Largest difference of the length of a quaternion from 1: files round its numbers.
+const QUATERNION_TOLERANCE: f64 = 0.01;
 
 /// The link at an end of a joint.
 pub(super) fn end<'a>(
@@ -45,9 +45,11 @@ pub(super) fn pose_of<'a>(draft: &Draft<'a>, origin: Node<'a, 'a>) -> Result<Pos
         }
         Some(value) => {
             let [x, y, z, w] = xml.numbers(&value, "4 numbers")?;
-            let turned = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), LEAST_QUATERNION);
-            let turned = turned.ok_or_else(|| xml.unusable(&value, "4 numbers, not all 0"))?;
-            turned.to_rotation_matrix()
+            let quaternion = Quaternion::new(w, x, y, z);
+            if (quaternion.norm() - 1.0).abs() > QUATERNION_TOLERANCE {
+                return Err(xml.unusable(&value, "a quaternion of length 1"));
+            }
+            UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix()
         }
     };
     Ok(Pose::from_parts(Translation3::from(xyz), rotation))

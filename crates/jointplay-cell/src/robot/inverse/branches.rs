@@ -215,6 +215,9 @@ impl HybridRobot {
         if let Some(error) = failure {
             return Err(error);
         }
+        if branches.is_empty() && out_of_reach.is_none() {
+            out_of_reach = beyond_all_links(chain, &point);
+        }
         let mut plane_violations = Vec::new();
         for rod in 0..RODS {
             self.check_axis(rod, start[rod], &mut plane_violations);
@@ -278,6 +281,18 @@ impl HybridRobot {
         let axes = self.axes.iter().zip(from.iter().zip(to));
         axes.map(|(axis, (from, to))| (to - from).abs() / axis.empty.velocity).fold(0.0, f64::max)
     }
+}
+
+/// A target that is farther from the first joint than all links of an arm together reach; an arm that extends has no such distance.
+///
+/// Nearer targets may be out of reach too, by the ratios of the motors or by their ranges.
+fn beyond_all_links(chain: &ArmChain, point: &Vector2<f64>) -> Option<OutOfReach> {
+    let lengths = || chain.link_vectors().iter().map(|link_vector| link_vector.vector.norm());
+    let (distance, max) = ((point - chain.origin).norm(), lengths().sum::<f64>());
+    let longest = lengths().fold(0.0, f64::max);
+    let min = (2.0 * longest - max).max(0.0);
+    let extends = !chain.prismatic_joints().is_empty();
+    (!extends && distance > max).then_some(OutOfReach { distance, min, max })
 }
 
 /// Whether motors are left over for the heading.

@@ -9,7 +9,7 @@ use jointplay::cell::optimise::{
     Candidate, Evaluation, MotionSettings, Objectives, OptimiseOptions, Search, TimingModel,
     WaferFlow,
 };
-use jointplay::cell::program::{AllowedValues, Program};
+use jointplay::cell::program::{AllowedValues, Program, Unit};
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, PlanOptions};
 use jointplay::format::number::{counted, number};
@@ -114,25 +114,21 @@ struct StationDocument {
 }
 
 fn radius(text: &str) -> Result<f64, String> {
-    within(length(text)?, AllowedValues::BLEND_RADIUS, "mm").map(m_from_mm)
+    within(length(text)?, AllowedValues::BLEND_RADIUS).map(m_from_mm)
 }
 
 fn percent(text: &str) -> Result<f64, String> {
-    within(finite(text)?, AllowedValues::SPEED, "%").map(|percent| percent / 100.0)
+    within(finite(text)?, AllowedValues::SPEED).map(|percent| percent / 100.0)
 }
 
 /// A value that programs can contain.
-fn within(
-    value: f64,
-    AllowedValues { min, max, .. }: AllowedValues,
-    unit: &str,
-) -> Result<f64, String> {
+fn within(value: f64, AllowedValues { min, max, unit, .. }: AllowedValues) -> Result<f64, String> {
     if (min..=max).contains(&value) {
-        Ok(value)
-    } else {
-        let [value, min, max] = [value, min, max].map(number);
-        Err(format!("must be from {min} to {max} {unit}, got {value} {unit}"))
+        return Ok(value);
     }
+    let [value, min, max] = [value, min, max].map(number);
+    let unit = unit.map_or("", Unit::symbol);
+    Err(format!("must be from {min} to {max} {unit}, got {value} {unit}"))
 }
 
 fn rounds(text: &str) -> Result<usize, String> {

@@ -141,8 +141,8 @@ impl Teach {
                 return Err(Failure::Usage(not_known("the station", station, &names)));
             }
             let changes = self.changes();
-            let slots = source.cell.stations.iter().find(|one| one.name == *station);
-            self.check_usage(slots.map_or(1, |station| station.slots))?;
+            let taught = source.cell.stations.iter().find(|one| one.name == *station);
+            self.check_usage(taught.map_or(1, |station| station.slots))?;
             if !changes.is_empty() {
                 source = changed(source, station, &changes)?;
                 if self.write {
@@ -294,7 +294,7 @@ fn next_points(plane: &PlaneReport) -> Option<String> {
         format!(": measure {count} more {points}, {best} near {x}, {y}, {z}{quieter}")
     } else {
         format!(
-            ": {} more points do not suffice{quieter}, or measure points farther apart",
+            ": {} more points do not suffice: measure points farther apart{quieter}",
             next.points_mm.len()
         )
     })
