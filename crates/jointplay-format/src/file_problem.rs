@@ -2,7 +2,7 @@
 
 use crate::expression::ExpressionProblem;
 use crate::number::{counted, entries, number};
-use crate::place::{Form, listed, suggestion};
+use crate::place::{Form, listed, nearest, suggestion};
 
 /// Errors that any TOML file can have; numbers are in the units of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -107,6 +107,19 @@ pub enum FileProblem {
     /// Number of further errors, which are not listed.
     #[error("{} from here on", counted(*.0, "more error"))]
     More(usize),
+}
+
+impl FileProblem {
+    /// The problem of an unknown word or name.
+    pub(crate) fn unknown<'n>(
+        what: &str,
+        found: &str,
+        known: impl IntoIterator<Item = &'n str>,
+    ) -> Self {
+        let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
+        let nearest = nearest(found, known.iter().map(String::as_str));
+        Self::Unknown { what: what.to_owned(), found: found.to_owned(), nearest, known }
+    }
 }
 
 /// Most names of a circle that a message lists, the last not counted.

@@ -141,6 +141,9 @@ fn copies_expressions_and_parts_that_are_no_stations_are_refused() {
     refused("P3", moved(), "`position_mm` of the station \"P3\" is an expression");
     refused("SV", moved(), "station \"SV\" is not known");
     refused("port", moved(), "station \"port\" is not known");
+    let noise = Some(TaughtNoise::Sensor("prob".to_owned()));
+    let references = Change::References { references: Vec::new(), noise };
+    refused("P1", references, "sensor \"prob\" is not known");
     // Another value of the same station can be changed.
     let turned = set_station(TEXT, "P3", &[Change::Heading(1.0)]).unwrap();
     assert!(turned.contains("[\"-reach\", 0, 500]"));

@@ -5,7 +5,6 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 use super::expansion::{is_replaced, is_station};
 use super::problem::Fault;
 use crate::file_problem::FileProblem;
-use crate::place::nearest;
 
 /// Keys of lists whose tables describe stations.
 pub(super) const TABLES: [&str; 2] = ["station", "part"];
@@ -81,18 +80,9 @@ pub(super) fn table<'d>(document: &'d mut DocumentMut, name: &str) -> Result<Des
             "the station {name:?} is a copy of {base:?}, which `repeat` describes together with the other copies: change the table of {base:?} in the text, or describe {name:?} by a table of its own"
         )));
     }
-    let names: Vec<String> = tables
-        .iter()
-        .filter(|one| may_be_station(one.table))
-        .filter_map(|one| text(one.table, "name").map(str::to_owned))
-        .collect();
-    let problem = FileProblem::Unknown {
-        what: "station".to_owned(),
-        found: name.to_owned(),
-        nearest: nearest(name, names.iter().map(String::as_str)),
-        known: names,
-    };
-    Err(problem.into())
+    let stations = tables.iter().filter(|one| may_be_station(one.table));
+    let names = stations.filter_map(|one| text(one.table, "name"));
+    Err(FileProblem::unknown("station", name, names).into())
 }
 
 /// Values of keys that a station takes from others by `like`; with a carrier axis, also those that belong to it.

@@ -81,10 +81,11 @@ pub enum Change {
 /// The new values are not checked: read the returned text to check them.
 ///
 /// # Errors
-/// The text is not TOML, or has no station of this name.
+/// The text is not TOML, or has no station or no sensor of a name.
 pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String, Problem> {
     let mut document = document(text)?;
     let at_start = |fault| Error::at(text, 0..0, fault);
+    changes.iter().try_for_each(|change| check_sensor(&document, change)).map_err(at_start)?;
     let inherited = described::inherited(&document, name, &inherited_keys(changes));
     let mut station = station(&mut document, name).map_err(at_start)?;
     for (key, item) in inherited {
@@ -105,6 +106,21 @@ pub(super) fn document(text: &str) -> Result<DocumentMut, Problem> {
         let span = error.span().unwrap_or(0..0);
         Error::at(text, span, FileProblem::from(Form::Malformed { message }).into())
     })
+}
+
+/// Checks that the cell has the sensor of a change.
+fn check_sensor(document: &DocumentMut, change: &Change) -> Result<(), Fault> {
+    let (Change::Taught { noise: Some(TaughtNoise::Sensor(name)), .. }
+    | Change::References { noise: Some(TaughtNoise::Sensor(name)), .. }) = change
+    else {
+        return Ok(());
+    };
+    let sensors = described::all(document, "sensor");
+    let known = sensors.iter().filter_map(|one| one.get("name")?.as_str());
+    if known.clone().any(|one| one == name) {
+        return Ok(());
+    }
+    Err(FileProblem::unknown("sensor", name, known).into())
 }
 
 /// Keys whose present values the changes need, also where the station takes them from another table.

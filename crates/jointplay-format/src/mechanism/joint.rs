@@ -75,8 +75,6 @@ pub(super) fn joint(values: &Values, table: &mut Table, links: &mut Links) -> Op
     let name = named(table, "joint");
     let kind = kind(values, table, name.as_deref());
     let ends = table.needed("links").and_then(|entry| ends(values, &entry, links));
-    // Only loop closure files have it, and their reader evaluates it.
-    table.entry("in");
     let frames = frame::both(values, table, kind);
     let kind = lead(values, table, kind);
     let actuated = table.entry("actuated").map(|entry| entry.flag(values.reader));

@@ -160,7 +160,7 @@ fn mechanism(
                 let problem = Problem::Misplaced { key: "in", why: why.to_owned() };
                 entry.report(values.reader, problem);
             };
-            table.entry("in").map(misplaced);
+            table.refused("in").map(misplaced);
             joint(values, table, &mut links)
         })
         .collect();
@@ -332,6 +332,12 @@ mod tests {
     #[test]
     fn unknown_words_are_refused_with_the_known_ones() {
         refuse("axis = [0, 0, 2]", "axes = [0, 0, 2]", "axes", "did you mean `axis`?");
+        refuse(
+            "axis = [0, 0, 2]",
+            "foo = 1",
+            "foo",
+            "known here: name, kind, links, frames, point",
+        );
         refuse("\"mechanism\"", "\"mechansim\"", "\"mechansim\"", "known: mechanism");
         refuse("\"mm\"", "\"cm\"", "\"cm\"", "known: m, mm, um, in");
         refuse("\"deg\"", "\"degree\"", "\"degree\"", "did you mean `deg`?");

@@ -5,7 +5,7 @@ use toml_edit::{Array, Document, DocumentMut, Item, Table, TableLike, Value};
 use super::{Error, Errors, Problem, parse_with, short};
 use crate::file_problem::FileProblem;
 use crate::line_ends;
-use crate::place::{Form, nearest};
+use crate::place::Form;
 use crate::units::{deg, mm, um};
 
 /// A number of a robot file.
@@ -202,14 +202,9 @@ pub fn with_dimensions(text: &str, changes: &[(Dimension, f64)]) -> Result<Strin
         let value = dimension.in_file(*value);
         match dimension {
             Dimension::Parameter(name) if item(original.as_table(), &location).is_none() => {
-                let known: Vec<String> =
-                    dimensions(text).parameters.into_iter().map(|(name, _)| name).collect();
-                let problem = FileProblem::Unknown {
-                    what: "parameter".to_owned(),
-                    found: name.clone(),
-                    nearest: nearest(name, known.iter().map(String::as_str)),
-                    known,
-                };
+                let known = dimensions(text).parameters;
+                let known = known.iter().map(|(name, _)| name.as_str());
+                let problem = FileProblem::unknown("parameter", name, known);
                 return Err(vec![Error::at(text, 0..0, problem.into())].into());
             }
             Dimension::BaseX(limb) | Dimension::BaseY(limb) => {

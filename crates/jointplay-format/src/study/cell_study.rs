@@ -17,7 +17,6 @@ use super::sources::{Sources, text_of};
 use super::spread::{self, Allowed, GridSize, in_order};
 use super::tree::{Entry, Table, count, entries, report_twice};
 use crate::file_problem::FileProblem;
-use crate::place::nearest;
 use crate::units::{Unit, m_from_mm};
 use crate::{cell, program};
 
@@ -301,13 +300,7 @@ fn displacements(
     let mut size = GridSize::new();
     for (entry, span) in in_order(table) {
         let Some(station) = known().position(|name| name == entry.key) else {
-            let problem = FileProblem::Unknown {
-                what: "station".to_owned(),
-                found: entry.key.to_owned(),
-                nearest: nearest(entry.key, known()),
-                known: known().map(str::to_owned).collect(),
-            };
-            reader.report(span, problem);
+            reader.report(span, FileProblem::unknown("station", entry.key, known()));
             are_valid = false;
             continue;
         };

@@ -3,7 +3,6 @@
 use super::Problem;
 use super::tree::{Table, entries, report_twice};
 use crate::file_problem::FileProblem;
-use crate::place::nearest;
 use crate::units::Unit;
 
 pub(super) const LENGTHS: &[Unit] = &Unit::LENGTHS;
@@ -118,10 +117,6 @@ fn resolve<Q: Copy>(
             known.push(usual);
         }
     }
-    Err(Problem::Common(FileProblem::Unknown {
-        what: "quantity".to_owned(),
-        found: name.to_owned(),
-        nearest: nearest(name, known.iter().map(String::as_str)),
-        known,
-    }))
+    let known = known.iter().map(String::as_str);
+    Err(Problem::Common(FileProblem::unknown("quantity", name, known)))
 }

@@ -8,7 +8,6 @@ use toml::de::DeValue;
 use super::Problem;
 use super::tree::{AllowedRange, Entry, Reader, Table};
 use crate::file_problem::FileProblem;
-use crate::place::nearest;
 use crate::steps;
 
 /// Largest value of a parameter, in the unit of the file; far from where squares overflow.
@@ -147,13 +146,8 @@ pub(super) fn parameters(table: &Table, known: &[&str]) -> Option<Vec<(usize, Va
         let parameter = match known.iter().position(|name| *name == entry.key) {
             Some(index) => read(reader, &allowed, &entry).map(|values| (index, values)),
             None => {
-                let problem = FileProblem::Unknown {
-                    what: "parameter".to_owned(),
-                    found: entry.key.to_owned(),
-                    nearest: nearest(entry.key, known.iter().copied()),
-                    known: known.iter().map(|name| (*name).to_owned()).collect(),
-                };
-                reader.report(span, problem);
+                let known = known.iter().copied();
+                reader.report(span, FileProblem::unknown("parameter", entry.key, known));
                 None
             }
         };

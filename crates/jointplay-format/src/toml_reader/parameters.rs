@@ -7,7 +7,6 @@ use toml::de::DeValue;
 use super::table::{Entry, Table};
 use crate::expression::{AngleUnit, Formula, Scope, is_free_name};
 use crate::file_problem::FileProblem;
-use crate::place::nearest;
 
 /// Largest number of cycles that are reported.
 const MOST_CYCLES: usize = 20;
@@ -46,14 +45,8 @@ pub(crate) fn resolve<P: From<FileProblem> + PartialEq>(
         let span = found.map_or(0..0, |(entry, _)| entry.span());
         let key = name.clone();
         if found.is_none() {
-            let known = || scope.parameters.iter().map(String::as_str);
-            let problem = FileProblem::Unknown {
-                what: "parameter".to_owned(),
-                found: key,
-                nearest: nearest(name, known()),
-                known: known().map(str::to_owned).collect(),
-            };
-            reader.report(span, problem);
+            let known = scope.parameters.iter().map(String::as_str);
+            reader.report(span, FileProblem::unknown("parameter", name, known));
         } else if !value.is_finite() {
             let needed = "a finite number".to_owned();
             reader.report(span, FileProblem::OutOfRange { key, value: *value, needed });

@@ -27,6 +27,8 @@ pub struct Table<'r, 'a, P> {
     pub span: Range<usize>,
     table: &'r DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
+    /// Keys that were reported already.
+    refused: RefCell<Vec<&'static str>>,
 }
 
 /// A key with its value.
@@ -46,7 +48,8 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
         table: &'r DeTable<'a>,
         span: Range<usize>,
     ) -> Self {
-        Self { reader, whose: whose.into(), span, table, known: RefCell::default() }
+        let (known, refused) = Default::default();
+        Self { reader, whose: whose.into(), span, table, known, refused }
     }
 
     /// Records an error of the table as a whole.
@@ -65,6 +68,12 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
         if !self.known.borrow().contains(&key) {
             self.known.borrow_mut().push(key);
         }
+        self.table.get(key).map(|value| Entry { key, value })
+    }
+
+    /// The value of a key that does not belong here, and which `finish` neither reports nor lists.
+    pub(crate) fn refused(&self, key: &'static str) -> Option<Entry<'r, 'a>> {
+        self.refused.borrow_mut().push(key);
         self.table.get(key).map(|value| Entry { key, value })
     }
 
@@ -143,10 +152,10 @@ impl<'r, 'a, P: From<FileProblem> + PartialEq> Table<'r, 'a, P> {
 
     /// Reports all keys that were never asked for.
     pub fn finish(&self) {
-        let known = self.known.borrow();
+        let (known, refused) = (self.known.borrow(), self.refused.borrow());
         let is_unknown = |key: &&Spanned<_>| {
             let name: &std::borrow::Cow<str> = key.get_ref();
-            !known.contains(&name.as_ref())
+            !known.contains(&name.as_ref()) && !refused.contains(&name.as_ref())
         };
         let mut unknown: Vec<_> = self.table.keys().filter(is_unknown).collect();
         // Of very many, the first in the file are listed.
@@ -370,13 +379,8 @@ impl<'r, 'a> Entry<'r, 'a> {
         found: &str,
         known: &[String],
     ) {
-        let fault = || FileProblem::Unknown {
-            what: what.to_owned(),
-            found: found.to_owned(),
-            nearest: nearest(found, known.iter().map(String::as_str)),
-            known: known.to_vec(),
-        };
-        reader.report_with(self.span(), || fault().into());
+        let known = known.iter().map(String::as_str);
+        reader.report_with(self.span(), || FileProblem::unknown(what, found, known).into());
     }
 
     /// The entries of a list.

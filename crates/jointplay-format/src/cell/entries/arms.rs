@@ -20,7 +20,6 @@ use super::robot_table::{
 use super::{contacts, lists};
 use crate::catalogue;
 use crate::file_problem::FileProblem;
-use crate::place::nearest;
 
 /// Robot of the catalogue whose arm a new arm is.
 const SOURCE: &str = "radial-arm";
@@ -371,8 +370,7 @@ fn owner(effector: &str) -> Owners {
 }
 
 fn unknown(what: &str, found: &str, known: Vec<String>) -> Fault {
-    let nearest = nearest(found, known.iter().map(String::as_str));
-    FileProblem::Unknown { what: what.to_owned(), found: found.to_owned(), nearest, known }.into()
+    FileProblem::unknown(what, found, known.iter().map(String::as_str)).into()
 }
 
 /// Axes that drive the joints of an arm.

@@ -28,7 +28,7 @@ use super::files::Files;
 use super::problem::{Fault, Problem};
 use crate::file_problem::FileProblem;
 use crate::line_ends;
-use crate::place::{Error, nearest};
+use crate::place::Error;
 use crate::units::deg;
 pub use added::EntryAdded;
 use attached::{Attached, NewNames, Owners};
@@ -248,15 +248,8 @@ fn find(
         described::table(document, name)?;
     }
     let bodies = described::all(document, "body");
-    let named = bodies.iter().filter_map(|table| names::name(*table));
-    let known: Vec<String> = named.map(str::to_owned).collect();
-    let problem = FileProblem::Unknown {
-        what: "body with a table of its own".to_owned(),
-        found: name.to_owned(),
-        nearest: nearest(name, known.iter().map(String::as_str)),
-        known,
-    };
-    Err(problem.into())
+    let known = bodies.iter().filter_map(|table| names::name(*table));
+    Err(FileProblem::unknown("body with a table of its own", name, known).into())
 }
 
 fn is_body(table: &dyn TableLike, name: &str) -> bool {

@@ -75,15 +75,8 @@ fn read_drives(reader: &Reader, entry: Entry, axes: &[String]) -> Option<Vec<(us
             (None, _) => {
                 // An axis with errors was reported already.
                 if !motors.contains(&String::new()) {
-                    let fault = FileProblem::Unknown {
-                        what: "axis".to_owned(),
-                        found: name.get_ref().to_string(),
-                        nearest: crate::place::nearest(
-                            name.get_ref(),
-                            motors.iter().map(String::as_str),
-                        ),
-                        known: motors.to_vec(),
-                    };
+                    let known = motors.iter().map(String::as_str);
+                    let fault = FileProblem::unknown("axis", name.get_ref(), known);
                     reader.report(name.span(), fault);
                 }
                 is_right = false;
