@@ -7,18 +7,24 @@ const HEARTBEAT_MS = 3000;
 
 export class Connection {
   state = $state<'starting' | 'connected' | 'disconnected'>('starting');
-  readonly #probe: () => Promise<unknown>;
+  readonly #probe: () => Promise<Response>;
   readonly #reconnected = new Set<() => void>();
+  readonly #probed = new Set<(response: Response) => void>();
   #timer: ReturnType<typeof setTimeout> | undefined;
 
   /** `probe` sends any request; its promise rejects if the server does not respond. */
-  constructor(probe: () => Promise<unknown>) {
+  constructor(probe: () => Promise<Response>) {
     this.#probe = probe;
   }
 
   /** Calls `act` after each reconnection. */
   onReconnect(act: () => void): void {
     this.#reconnected.add(act);
+  }
+
+  /** Calls `act` with a copy of each successful response to a probe of the connected server. */
+  onProbe(act: (response: Response) => void): void {
+    this.#probed.add(act);
   }
 
   /** The server has responded to a request, with success or an error. */
@@ -42,14 +48,17 @@ export class Connection {
   }
 
   async #poll(): Promise<void> {
-    const starting = this.state === 'starting';
+    const { state } = this;
+    const starting = state === 'starting';
+    let response: Response;
     try {
-      await this.#probe();
+      response = await this.#probe();
     } catch {
       this.failed();
       return;
     }
     this.responded();
+    if (state === 'connected' && response.ok) for (const act of this.#probed) act(response.clone());
     if (starting) for (const act of this.#reconnected) act();
   }
 }

@@ -42,6 +42,23 @@ export const fromUnit = (value: number, unit: LengthUnit): number => (unit === '
 /** Symbol of the unit in number fields. */
 export const unitName = (unit: LengthUnit): 'mm' | 'in' => (unit === 'mm' ? 'mm' : 'in');
 
+/** Units of the numbers of a file. */
+export interface FileUnits {
+  length: 'm' | 'mm' | 'um' | 'in';
+  angle: 'deg' | 'rad';
+}
+
+/** A length [m] or an angle [rad] in a unit of a file. */
+export function inFileUnit(value: number, unit: FileUnits['length'] | FileUnits['angle']): number {
+  switch (unit) {
+    case 'mm': return millimetres(value);
+    case 'um': return shifted(value, 6);
+    case 'in': return millimetres(value) / INCH_MM;
+    case 'deg': return degrees(value);
+    default: return value;
+  }
+}
+
 /** Symbol of a unit of mechanism files. */
 export const fileUnit = (unit: string): string => (unit === 'um' ? 'µm' : unit === 'deg' ? '°' : unit);
 

@@ -16,6 +16,8 @@ export interface AnalysesContext {
   readonly source: MechanismSource;
   /** Identifies the text with its parameters. */
   readonly sourceKey: string;
+  /** Whether configuration and text may differ: the text may have errors. */
+  readonly outdated: boolean;
   readonly controller: { readonly configuration: ConfigurationDocument | null; readonly moving: boolean; readonly playScale: number; animated: number | null };
   failed(error: unknown): void;
 }
@@ -44,9 +46,9 @@ export class MechanismAnalyses {
   }
 
   async computeMobility(): Promise<void> {
-    const { source, controller } = this.#context;
+    const { source, controller, outdated } = this.#context;
     const { configuration } = controller;
-    if (!configuration || controller.moving) return;
+    if (!configuration || controller.moving || outdated) return;
     const abort = new AbortController();
     this.#mobilityAbort = abort;
     const done = (result: api.MobilityOfMechanism | null, problem: string | null) => {
@@ -61,8 +63,8 @@ export class MechanismAnalyses {
   }
 
   async #analyse<T>(what: 'motions' | 'modes', ask: (configuration: ConfigurationDocument) => Promise<T>): Promise<Analysis<T> | null> {
-    const { configuration } = this.#context.controller;
-    if (!configuration) return null;
+    const { controller: { configuration }, outdated } = this.#context;
+    if (!configuration || outdated) return null;
     this.computing = what;
     try {
       return { of: configuration, result: await ask(configuration), problem: null };

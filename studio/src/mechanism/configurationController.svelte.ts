@@ -33,6 +33,8 @@ export interface ConfigurationContext {
   readonly reading: boolean;
   /** Whether the text is being typed. */
   readonly typing: boolean;
+  /** Whether the text has errors: it describes no mechanism to be moved. */
+  readonly hasErrors: boolean;
   /** Whether mechanism and configuration may differ from those of the text. */
   readonly outdated: boolean;
   /** Called in each configuration in which the mechanism rests. */
@@ -97,11 +99,12 @@ export class ConfigurationController {
 
   /** Continues a motion that waited for a text to be read. */
   resume(): void {
-    if (this.#isWanted && !this.moving) void this.#move();
+    if (this.#isWanted && !this.moving && this.#isReadable) void this.#move();
   }
 
   /** Drives a coordinate to a value: an expression in the units of the file. */
   drive(name: string, value: string): void {
+    if (this.#context.hasErrors) return;
     this.animated = null;
     this.#wanted = { ...this.#wanted, [name]: value };
     this.#start();
@@ -112,9 +115,14 @@ export class ConfigurationController {
     return Object.keys(this.#wanted).length > 0 || this.#wantedPosition !== null;
   }
 
-  /** Begins to move; a text that is being read may change the coordinates: the motion begins afterwards. */
+  /** Whether the text describes the mechanism: a text that is being read may change the coordinates, and one with errors has none. */
+  get #isReadable(): boolean {
+    return !this.#context.reading && !this.#context.typing && !this.#context.hasErrors;
+  }
+
+  /** Begins to move, or waits until the text is read without errors. */
   #start(): void {
-    if (!this.moving && !this.#context.reading && !this.#context.typing) void this.#move();
+    if (!this.moving && this.#isReadable) void this.#move();
   }
 
   /** Takes a point of a link to be moved [m, in the frame of the link]. */
@@ -135,7 +143,7 @@ export class ConfigurationController {
 
   /** Moves the point as near as possible to a position [m]; `as_drawn` is a position in the picture, with exaggerated play. */
   movePoint(to_m: number[], as_drawn: boolean): void {
-    if (!this.point) return;
+    if (!this.point || this.#context.hasErrors) return;
     this.animated = null;
     this.#wantedPosition = { to_m, as_drawn };
     if (!as_drawn) this.point = { ...this.point, to_m };
@@ -163,7 +171,7 @@ export class ConfigurationController {
   async #scale(): Promise<void> {
     this.#scaling = true;
     try {
-      while (this.#posesScale !== this.playScale && this.configuration && !this.moving) {
+      while (this.#posesScale !== this.playScale && this.configuration && !this.moving && !this.#context.hasErrors) {
         const { configuration, playScale } = this;
         const { poses } = await api.mechanismConfiguration(this.#context.source, configuration.coordinates, playScale);
         if (this.configuration !== configuration) continue;
@@ -196,7 +204,7 @@ export class ConfigurationController {
   async #move(): Promise<void> {
     this.moving = true;
     try {
-      while (this.#isWanted && this.configuration && !this.#context.reading && !this.#context.typing)
+      while (this.#isWanted && this.configuration && this.#isReadable)
         if (this.#wantedPosition) await this.#reach(this.configuration);
         else await this.#drive(this.configuration);
     } finally {

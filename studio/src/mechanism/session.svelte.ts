@@ -7,6 +7,7 @@ import { otherFile } from '../api/otherFile';
 import { History } from '../lib/history';
 import type { CameraPose } from '../lib/hashParts';
 import type { MechanismTab } from '../lib/mechanismLink';
+import { kindOfFile } from '../lib/fileKind';
 import { KINDS, rememberFile } from '../lib/recentFiles';
 import { closesLoops } from '../lib/loopsFile';
 import { fileSizeProblem, sizeProblem } from '../lib/requestSize';
@@ -84,8 +85,10 @@ class MechanismSession {
   readonly analyses: MechanismAnalyses = new MechanismAnalyses(this);
   changed = $derived(this.work.text !== this.work.saved || Object.keys(this.work.parameters).length > 0);
   diagnostics = $derived(this.opened?.diagnostics ?? []);
+  /** Whether the text has errors: it is sent to be read only. */
+  hasErrors = $derived(this.diagnostics.length > 0);
   /** Whether mechanism and configuration may differ from those of the text. */
-  outdated = $derived(this.document !== null && (this.reading || this.typing || this.diagnostics.length > 0 || connection.state === 'disconnected'));
+  outdated = $derived(this.document !== null && (this.reading || this.typing || this.hasErrors || connection.state === 'disconnected'));
   /** Whether an analysis is that of the shown configuration. */
   current = (analysis: Analysis<unknown> | null): boolean => analysis !== null && analysis.of === this.controller.configuration && !this.outdated && !this.controller.moving;
 
@@ -194,9 +197,10 @@ class MechanismSession {
       }
       const opened = await api.openMechanism(source, null, 1, abort.signal);
       if (abort.signal.aborted) return false;
-      const { kind, diagnostics, mechanism } = opened;
-      if (!mechanism && diagnostics.length === 0) {
-        this.notice = `${name}: ${opened.note ?? ''}`;
+      const { diagnostics, mechanism } = opened;
+      const kind = kindOfFile(name, opened.kind);
+      if (!mechanism && (diagnostics.length === 0 || kind === 'program')) {
+        this.notice = `${name}: ${opened.note ?? 'a program is shown by the view of its work cell'}`;
         if (kind === 'cell' || kind === 'program') this.otherView = { kind, name, text };
         return false;
       }

@@ -35,6 +35,11 @@ export class Comparison {
     );
   }
 
+  /** Loads all studies again the next time: the robot of the server has changed. */
+  forget(): void {
+    this.#keys = {};
+  }
+
   /** Changes when samples of any study arrive. */
   get version(): string {
     return VIRTUALIZATIONS.map((model) => this.studies[model].version).join();

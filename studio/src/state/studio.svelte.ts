@@ -22,6 +22,8 @@ import { fromCellHash } from '../lib/cellLink';
 import { fromMechanismHash } from '../lib/mechanismLink';
 import { fingerprint, fromHash, toHash, type RobotIdentity, type View } from '../lib/link';
 import { withinTilt } from '../lib/limits';
+import { asCommand, asCommandLike, DISPLAY_DECIMALS, EXACT_DECIMALS } from '../lib/poseCommand';
+import { robotKey } from '../lib/robotKey';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
@@ -33,6 +35,7 @@ import { probe } from './probe';
 import { Player } from './player.svelte';
 import { printing } from './printing.svelte';
 import { RobotFile } from './robotFile.svelte';
+import { ServerRobot } from './serverRobot';
 import { Study } from './study.svelte';
 
 /** How the robot moves to a command beyond its limits: in a straight line up to the first one, or along them. */
@@ -42,34 +45,9 @@ export type ThemeChoice = 'system' | Theme;
 
 const LINK = 'link';
 
-/** Decimals of mm and degrees: rounded for display, and exact enough to keep a pose at a limit. */
-const DISPLAY_DECIMALS = 6;
-const EXACT_DECIMALS = 12;
-
-/** A pose as a command. */
-function asCommand(kind: Command['kind'], height_kind: HeightKind, pose: PoseDocument, decimals: number): Command {
-  const round = (value: number) => Number(value.toFixed(decimals));
-  if (kind === 'rods') return { kind, rods_mm: pose.rods_m.map((q) => round(millimetres(q))) as [number, number, number] };
-  const center = pose.models[0]?.answer?.pose.origin_m[2];
-  const height_m = height_kind === 'center' && center !== undefined ? center : pose.axis_height_m;
-  const height_mm = round(millimetres(height_m));
-  const { azimuth_rad, angle_rad, about_x_rad, about_y_rad } = pose.tilt;
-  return kind === 'tilt'
-    ? { kind, azimuth_deg: round(degrees(azimuth_rad)), tilt_deg: round(degrees(angle_rad)), height_mm, height_kind }
-    : { kind, about_x_deg: round(degrees(about_x_rad)), about_y_deg: round(degrees(about_y_rad)), height_mm, height_kind };
-}
-
-/** A pose as a command of the same kind as another command. */
-function asCommandLike(original: Command, pose: PoseDocument, decimals: number): Command {
-  const command = asCommand(original.kind, original.kind === 'rods' ? 'axis' : original.height_kind, pose, decimals);
-  if (original.kind !== 'tilt' || command.kind !== 'tilt') return command;
-  // A level pose has no tilt direction; a negative tilt angle is a tilt in the opposite direction.
-  if (command.tilt_deg === 0) return { ...command, azimuth_deg: original.azimuth_deg };
-  if (original.tilt_deg >= 0) return command;
-  return { ...command, tilt_deg: -command.tilt_deg, azimuth_deg: command.azimuth_deg + (command.azimuth_deg > 0 ? -180 : 180) };
-}
-
 export class Studio {
+  /** Whether the last pose was requested without an answer. */
+  #unanswered = $state(false);
   robot = $state.raw<RobotDocument | null>(null);
   pose = $state.raw<PoseDocument | null>(null);
   document = $state.raw<Document>(initialDocument(500));
@@ -85,6 +63,8 @@ export class Studio {
   themeChoice = $state<ThemeChoice>('system');
   systemTheme = $state<Theme>('light');
   theme = $derived<Theme>(printing.active ? 'light' : this.themeChoice === 'system' ? this.systemTheme : this.themeChoice);
+  /** Whether the pose may differ from that of the fields: the server does not answer. */
+  outdated = $derived(connection.state === 'disconnected' || this.#unanswered);
   /** The camera of the link, until the 3D view has taken it over. */
   linkedView: View | null = null;
   /** Returns the camera of the 3D view, once there is one. */
@@ -94,6 +74,7 @@ export class Studio {
   readonly file = new RobotFile({ opened: (robot) => this.#showRobot(robot), committed: () => this.commit() });
   readonly player = new Player(this.study, { show: (command) => this.showSample(command), stopped: () => this.rememberLink() });
 
+  readonly #serverRobot = new ServerRobot((robot) => void this.#showServerRobot(robot));
   #history = new History<Document>(this.document);
   #lastValid: Command = this.document.command;
   /** Whether the play scale is still to be chosen for the robot. */
@@ -126,7 +107,9 @@ export class Studio {
       const first = this.robot === null;
       layout.controller = robot.controller;
       if (robot.controller) layout.chosenPart ??= 'cell';
+      const isOther = this.#serverRobot.isOther(robot);
       // An edited robot remains.
+      if (isOther && this.file.text === null) return await this.#showServerRobot(robot);
       if (this.file.source === null) this.robot = robot;
       if (first) this.#openLink(window.location.hash || load(this.#linkKey, '', (value) => typeof value === 'string'));
       else {
@@ -242,7 +225,6 @@ export class Studio {
 
   /** Shows the robot of an edited text, at the nearest pose within its limits. */
   #showRobot(robot: RobotDocument): void {
-    const before = { print: this.#identity?.print, robot: JSON.stringify(this.robot) };
     const { work } = this.file;
     const isOther = this.document.robotFile !== null && this.document.robotFile.opened !== work?.opened;
     // Another robot has other lengths: its pose is that of a start with its file.
@@ -253,11 +235,33 @@ export class Studio {
       this.document = { ...this.document, robotFile: work };
       this.#history.replace(this.document);
     } else this.document = { ...this.document, robotFile: work, command };
+    this.#takeRobot(robot);
+  }
+
+  /** Shows a robot at the nearest pose within its limits, and its motion. */
+  #takeRobot(robot: RobotDocument): void {
+    const before = { print: this.#identity?.print, robot: JSON.stringify(this.robot) };
     this.robot = robot;
     if (before.robot === JSON.stringify(robot)) return;
     if (this.player.sample === null) this.#requestPose(this.document.command, 'slide');
     // Clearances do not change a motion.
     if (this.document.motion && before.print !== this.#identity?.print) void this.loadStudy().then(() => this.player.sample !== null && this.player.seek(this.player.sample));
+  }
+
+  /** Shows the robot of the server, which another page has saved; unsaved changes and a robot that was opened here remain. */
+  async #showServerRobot(robot: RobotDocument): Promise<void> {
+    const { file } = this;
+    if (!this.robot || file.openedText !== null || robotKey(robot) === robotKey(this.robot)) return;
+    if (file.changed) {
+      this.notice = 'The robot of the server has changed. The unsaved changes of this page remain: saving asks before they replace the file.';
+      return;
+    }
+    this.comparison.forget();
+    if (file.text === null) this.#takeRobot(robot);
+    else await file.reload();
+    await this.settled();
+    this.notice = ['The robot of the server has changed: the view shows the new one.', this.notice].filter(Boolean).join(' ');
+    this.rememberLink();
   }
 
   #change(part: Partial<Document>): void {
@@ -359,6 +363,7 @@ export class Studio {
           const atLimits = jog === 'slide' ? { slide: true as const } : jog === 'stop' ? { stop: this.pose?.rods_m ?? null } : { show: true as const };
           const answer = await api.pose(this.file.source, command, models, atLimits);
           const messages = (limits: typeof answer.stopped_by) => limits.map(({ message }) => message).join('; ');
+          this.#unanswered = false;
           if (jog && answer.limits_broken.length > 0) {
             this.#revert(original, messages(answer.limits_broken));
             // Without a previous valid pose, the pose beyond the limits is displayed.
@@ -375,6 +380,7 @@ export class Studio {
             this.notice = jog === 'slide' ? `Held by a limit: ${messages(answer.stopped_by)}. Shown is the nearest pose within the limits.` : `Stopped at a limit: ${messages(answer.stopped_by)}.`;
           } else if (!this.#pending) this.notice = null;
         } catch (error) {
+          this.#unanswered = error instanceof ConnectionError;
           if (error instanceof ApiError && jog) this.#revert(original, error.message);
           else this.#failed(error);
         }
@@ -382,6 +388,8 @@ export class Studio {
     } finally {
       this.#request = null;
       probe.settled = true;
+      // The poses are those of the robot that the server has at present.
+      if (this.file.source === null) this.#serverRobot.compare();
     }
   }
 

@@ -1,0 +1,1 @@
+export{t as mechanismSession}from"./session.svelte-0JhGbrEM.js";

@@ -1,1 +1,0 @@
-export{t as mechanismSession}from"./session.svelte-DS8TvTpA.js";
