@@ -321,3 +321,17 @@ def test_interrupt_stops_long_work(gpr):
         assert any(interrupted(gpr, poses) for poses in LENGTHS)
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals to oneself are of Unix")
+def test_interrupt_ends_a_long_drive():
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    four_bar = jp.Mechanism.from_catalogue("four-bar")
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+            four_bar.drive({"A": (0, 1e6)}, steps=1)
+            # Where it has ended before, the interruption is still to come.
+            time.sleep(120)
+    finally:
+        signal.signal(signal.SIGINT, before)

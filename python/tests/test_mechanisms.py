@@ -319,6 +319,9 @@ def test_mobility_within_a_tolerance(ask):
     assert found.near.needed == pytest.approx(report["near_tolerance_needed"], rel=1e-9)
     with pytest.raises(jp.OutOfRangeError):
         jp.Mechanism.from_catalogue("bennett").mobility(tolerance=1)
+    for tolerance in (10, 0, -1, float("nan")):
+        with pytest.raises(jp.OutOfRangeError):
+            jp.Mechanism.from_catalogue("four-bar").assemble(tolerance=tolerance)
 
 
 def test_drive(four_bar, ask):
@@ -748,3 +751,25 @@ def test_couplings(ask, tmp_path):
     assert set(redundant.couplings) == {"mesh", "thread", "feed"}
     assert set(found.couplings_in_all_self_stresses) == {"mesh", "thread", "feed"}
     assert list(found.couplings_in_all_self_stresses) == report["redundant_constraint_basis"]["couplings_in_all"]
+
+
+def test_positions_stay_on_their_branch():
+    four_bar = jp.Mechanism.from_catalogue("four-bar")
+    far = four_bar.positions({"A": [0, -0.5, -1.03, -0.23]})
+    near = four_bar.positions({"A": np.linspace(0, -0.23, 24)})
+    assert (far.status == 0).all()
+    np.testing.assert_allclose(far.coordinates[-1], near.coordinates[-1], atol=1e-9)
+
+
+def test_balls_reach_their_commands():
+    toml = """
+kind = "mechanism"
+name = "ball"
+units = { length = "mm", angle = "rad" }
+base = "world"
+joint = [{ name = "b", kind = "spherical", links = ["world", "arm"], point = [10, 0, 0] }]
+"""
+    ball = jp.Mechanism.from_toml(toml)
+    for steps in (1, 7):
+        moved = ball.drive({"b[0]": 0.4, "b[1]": -0.9, "b[2]": 4.0}, steps=steps)
+        assert [moved[f"b[{k}]"][-1] for k in range(3)] == [0.4, -0.9, 4.0]

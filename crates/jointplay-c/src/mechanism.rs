@@ -44,7 +44,7 @@ impl Driven {
         Ok(Self { home, positions })
     }
 
-    /// The closed configuration for values of the drives, from one nearby.
+    /// The closed configuration for values of the drives, on the branch of another one.
     fn solve(
         &mut self,
         mechanism: &Mechanism,
@@ -52,7 +52,7 @@ impl Driven {
         near: Vec<f64>,
     ) -> Result<DVector<f64>, Failure> {
         let mut found = DVector::from_vec(near);
-        self.positions.solve(mechanism, values, &mut found, ReliefSolver::LeastNorm)?;
+        self.positions.solve_next(mechanism, values, &mut found, ReliefSolver::LeastNorm)?;
         Ok(found)
     }
 }

@@ -1,6 +1,7 @@
 //! Requests in JSON about motions, and virtual joints that make them possible.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use jointplay::format::coordinates::Coordinates;
 use jointplay::format::mechanism::MechanismFile;
@@ -90,7 +91,9 @@ impl Move {
         let path = DrivePath::line(&start, &drives)?;
         let mut held = held_actuators(mechanism, path.coordinates());
         held.retain(|k| !free.contains(k));
-        let moved = drive_from(mechanism, &start, &path, &held, steps, None, &mut |_| ())?;
+        let moved = drive_from(mechanism, &start, &path, &held, steps, None, &mut |_| {
+            ControlFlow::Continue(())
+        })?;
         let report = report::motion(named.file, path.coordinates(), &held, None, &moved);
         if self.poses != Some(true) {
             return Ok(report);

@@ -1,4 +1,4 @@
-//! Pointers of C: read, written, checked.
+//! Pointers of C: read, written, checked. They need not be aligned: packed structures and buffers of bytes are not.
 
 use std::ffi::{CStr, c_char};
 
@@ -32,7 +32,7 @@ pub(crate) unsafe fn numbers<const N: usize>(
         return Err(null(what));
     }
     // SAFETY: not NULL, and the caller promises N numbers.
-    let found = unsafe { from.cast::<[f64; N]>().read() };
+    let found = unsafe { from.cast::<[f64; N]>().read_unaligned() };
     finite(&found, what)?;
     Ok(found)
 }
@@ -52,8 +52,18 @@ pub(crate) unsafe fn many<T: Copy>(
     if from.is_null() {
         return Err(null(what));
     }
+    in_memory::<T>(count, what)?;
     // SAFETY: not NULL, and the caller promises `count` values.
-    Ok(unsafe { std::slice::from_raw_parts(from, count) }.to_vec())
+    let value = |k: usize| unsafe { from.add(k).read_unaligned() };
+    Ok((0..count).map(value).collect())
+}
+
+/// Refuses counts of values that no memory has.
+pub(crate) fn in_memory<T>(count: usize, what: &str) -> Result<(), Failure> {
+    match count.checked_mul(size_of::<T>()) {
+        Some(bytes) if isize::try_from(bytes).is_ok() => Ok(()),
+        _ => Err(Failure::input(format!("{what}: no memory has {count} of them"))),
+    }
 }
 
 /// Refuses NaN and infinity.
@@ -84,7 +94,13 @@ pub(crate) fn writable<T>(to: *mut T, what: &str) -> Result<(), Failure> {
 pub(crate) unsafe fn write<T: Copy>(to: *mut T, values: &[T]) {
     if !to.is_null() {
         // SAFETY: the caller's promise; the values are ours, and so do not overlap.
-        unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), to, values.len()) };
+        unsafe {
+            std::ptr::copy_nonoverlapping(
+                values.as_ptr().cast::<u8>(),
+                to.cast::<u8>(),
+                size_of_val(values),
+            );
+        }
     }
 }
 
@@ -108,7 +124,7 @@ pub(crate) unsafe fn text<'a>(from: *const c_char, what: &str) -> Result<&'a str
 pub(crate) unsafe fn give<T>(to: *mut *mut T, object: T) {
     let handle = Box::into_raw(Box::new(object));
     // SAFETY: the caller's promise.
-    unsafe { to.write(handle) };
+    unsafe { to.write_unaligned(handle) };
 }
 
 /// Takes an object back; NULL does nothing.

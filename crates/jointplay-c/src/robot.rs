@@ -11,7 +11,7 @@ use jointplay::virtualization::{BuiltIn, SolveOptions};
 
 use crate::block::{BLOCK, Block};
 use crate::catch::{Failure, entry, value};
-use crate::pointer::{finite, give, numbers, object, take, text, writable, write};
+use crate::pointer::{finite, give, in_memory, numbers, object, take, text, writable, write};
 use crate::request;
 use crate::status::JP_OK;
 use crate::transform::{ENTRIES, entries};
@@ -213,14 +213,18 @@ pub unsafe extern "C" fn jp_robot_forward_many(
         writable(rods.cast_mut(), "rods")?;
         writable(poses, "poses")?;
         writable(codes, "codes")?;
+        in_memory::<[f64; ENTRIES]>(count, "poses")?;
         let (chosen, solver) = robot.solver(virtualization)?;
         let joints = if virtual_joints.is_null() { 0 } else { chosen.model().joints().len() };
         let mut first = None;
-        let mut block = Block::new();
+        let (mut block, mut given) = (Block::new(), [[0.0; 3]; BLOCK]);
         for start in (0..count).step_by(BLOCK) {
             let sets = BLOCK.min(count - start);
-            // SAFETY: the sets are below `count`, and the caller promises 3 numbers for each.
-            let rods = unsafe { std::slice::from_raw_parts(rods.add(3 * start).cast(), sets) };
+            for (i, set) in given[..sets].iter_mut().enumerate() {
+                // SAFETY: the set is below `count`, and the caller promises 3 numbers for each.
+                *set = unsafe { rods.add(3 * (start + i)).cast::<[f64; 3]>().read_unaligned() };
+            }
+            let rods = &given[..sets];
             block.compute(solver, rods, joints)?;
             for (i, set) in rods.iter().enumerate() {
                 let mut code = JP_OK;

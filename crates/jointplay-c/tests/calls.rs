@@ -424,3 +424,45 @@ fn errors_of_requests_name_the_field_what_it_is_and_what_is_allowed() {
     // SAFETY: not used after this.
     unsafe { jp_robot_free(robot) };
 }
+
+/// Buffers of bytes and packed structures have numbers at any address.
+#[test]
+fn pointers_need_not_be_aligned() {
+    let robot = paper();
+    let (mut rods, mut poses) = ([0_u8; 3 * 8 * 2 + 1], [0_u8; 16 * 8 * 2 + 1]);
+    for (bytes, number) in rods[1..].chunks_exact_mut(8).zip(RODS.into_iter().chain(RODS)) {
+        bytes.copy_from_slice(&number.to_ne_bytes());
+    }
+    let given: *const f64 = rods[1..].as_ptr().cast();
+    let to: *mut f64 = poses[1..].as_mut_ptr().cast();
+    let mut codes = [0_u8; 2 * 4 + 1];
+    let code: *mut i32 = codes[1..].as_mut_ptr().cast();
+    let mut expected = [0.0; 16];
+    // SAFETY: room for all results, at any address.
+    unsafe {
+        let pose = expected.as_mut_ptr();
+        assert_eq!(
+            jp_robot_forward(robot, JP_POLAR, RODS.as_ptr(), pose, null_mut(), null_mut()),
+            JP_OK
+        );
+        assert_eq!(jp_robot_forward_many(robot, JP_POLAR, 2, given, to, null_mut(), code), JP_OK);
+    }
+    let found = |bytes: &[u8]| -> Vec<f64> {
+        bytes.chunks_exact(8).map(|b| f64::from_ne_bytes(b.try_into().unwrap())).collect()
+    };
+    assert_close(&found(&poses[1..129]), &expected);
+    assert_close(&found(&poses[129..]), &expected);
+    // SAFETY: as above.
+    let one = unsafe { jp_robot_forward(robot, JP_POLAR, given, to, null_mut(), null_mut()) };
+    assert_eq!(one, JP_OK);
+    assert_close(&found(&poses[1..129]), &expected);
+    // SAFETY: as above.
+    assert_eq!(unsafe { jp_robot_inverse(robot, 0.1, 0.01, 0.5, to) }, JP_OK);
+    // SAFETY: nothing is read or written for a count that no memory has.
+    let all =
+        unsafe { jp_robot_forward_many(robot, JP_POLAR, usize::MAX, given, to, null_mut(), code) };
+    assert_eq!(all, JP_BAD_INPUT);
+    assert!(last_error().contains("no memory has"), "{}", last_error());
+    // SAFETY: used nowhere any more.
+    unsafe { jp_robot_free(robot) };
+}

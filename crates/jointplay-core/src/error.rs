@@ -264,6 +264,9 @@ pub enum Error {
         /// Share of the path that is possible, from 0 to 1.
         share: f64,
     },
+    /// The caller ended the computation.
+    #[error("the computation was ended before it was done")]
+    Interrupted,
     /// One or two of the three coordinates of a ball are commanded.
     #[error(
         "some coordinates of the ball at coordinate {coordinate} are commanded, but a rotation vector is commanded whole or not at all"

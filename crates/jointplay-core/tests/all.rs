@@ -4,6 +4,7 @@
 
 mod ball_clearance;
 mod bulk;
+mod commanded_balls;
 mod couplings;
 mod differential;
 mod families;

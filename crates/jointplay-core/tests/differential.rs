@@ -689,25 +689,6 @@ fn dimensions_without_a_derivative_are_refused() {
     assert!(rates.dimension_derivatives(at, &other).is_err());
 
     // A parallelogram with a third crank moves for equal cranks only.
-    let cranks = |length: f64| {
-        let up = [0.0, 0.0, 1.0];
-        let mut joints = Vec::new();
-        for (k, x) in [0.0, 0.2, 0.5].into_iter().enumerate() {
-            let y = if k == 2 { length } else { 0.1 };
-            joints.push(joint(
-                ["A", "B", "C"][k],
-                JointKind::Revolute,
-                [0, k + 1],
-                [x, 0.0, 0.0],
-                up,
-            ));
-            let mut end =
-                joint(["a", "b", "c"][k], JointKind::Revolute, [k + 1, 4], [x, y, 0.0], up);
-            end.frames[1].translation.vector.y = 0.1;
-            joints.push(end);
-        }
-        Mechanism::new("cranks", names(5), joints).unwrap()
-    };
     let equal = Case::new(cranks(0.1), &[(0, 0.5)]);
     let system = equal.system();
     let mut rates = DifferentialKinematics::new(&system, &[0]).unwrap();
@@ -718,4 +699,47 @@ fn dimensions_without_a_derivative_are_refused() {
     let changed = ChangedDimension { mechanisms, step: 1e-5 };
     let refused = rates.dimension_derivatives(equal.at.as_slice(), &changed);
     assert!(matches!(refused, Err(Error::DimensionOpensLoops { .. })), "{refused:?}");
+}
+
+/// A parallelogram with a third crank, which moves for equal cranks only.
+fn cranks(length: f64) -> Mechanism {
+    let up = [0.0, 0.0, 1.0];
+    let mut joints = Vec::new();
+    for (k, x) in [0.0, 0.2, 0.5].into_iter().enumerate() {
+        let y = if k == 2 { length } else { 0.1 };
+        joints.push(joint(["A", "B", "C"][k], JointKind::Revolute, [0, k + 1], [x, 0.0, 0.0], up));
+        let mut end = joint(["a", "b", "c"][k], JointKind::Revolute, [k + 1, 4], [x, y, 0.0], up);
+        end.frames[1].translation.vector.y = 0.1;
+        joints.push(end);
+    }
+    Mechanism::new("cranks", names(5), joints).unwrap()
+}
+
+/// The motions that the loops would open by cancel to round-off, which is no motion that they do not follow.
+#[test]
+fn equal_cranks_turn_alike_whatever_their_rates() {
+    for angle in [-1.2, -0.7, 0.1, 0.5, 1.3] {
+        let case = Case::new(cranks(0.1), &[(0, angle)]);
+        let mut rates = DifferentialKinematics::new(&case.system(), &[0]).unwrap();
+        rates.linearize(case.at.as_slice()).unwrap();
+        let mut found = vec![0.0; case.at.len()];
+        for (speed, acceleration) in
+            [(1.0, 0.0), (-3.7, 0.0), (2.0, 1e-12), (1e-3, 5.0), (1e60, 0.0)]
+        {
+            // A crank turns against the base, and the coupler back against the crank.
+            for (order, of_crank) in [speed, acceleration].into_iter().enumerate() {
+                match order {
+                    0 => rates.velocities(&[speed], &mut found).unwrap(),
+                    _ => rates.accelerations(&[acceleration], &mut found).unwrap(),
+                }
+                for (k, rate) in found.iter().enumerate() {
+                    let expected = if k % 2 == 0 { of_crank } else { -of_crank };
+                    let size = speed.abs().max(speed * speed).max(acceleration);
+                    assert!((rate - expected).abs() < 1e-11 * size, "{angle} {speed} {k}: {rate}");
+                }
+            }
+        }
+        let refused = rates.velocities(&[1e200], &mut found);
+        assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{refused:?}");
+    }
 }

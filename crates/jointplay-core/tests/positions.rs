@@ -180,6 +180,31 @@ fn a_position_far_away_is_found_on_the_branch_of_the_start() {
     }
 }
 
+/// Newton's method alone ends on the other branch for some of these steps of the crank, and reports them as solved.
+#[test]
+fn successive_positions_stay_on_their_branch_whatever_the_steps() {
+    let (linkage, _) = crank_rocker();
+    let home = DVector::zeros(4);
+    let mut positions = CommandedPositions::new(&linkage, &home, &[0]).unwrap();
+    for step in [0.01, 0.11, 0.8, 2.5, -1.9] {
+        let mut found = home.clone();
+        for k in 1..60 {
+            let crank = step * f64::from(k);
+            let solver = ReliefSolver::LeastNorm;
+            let solved = positions.solve_next(&linkage, &[crank], &mut found, solver);
+            assert!(solved.unwrap() < 1e-11);
+            let expected = rocker(0.0) - rocker(crank);
+            let turns = ((found[3] - expected) / TAU).round();
+            let error = found[3] - expected - turns * TAU;
+            assert!(error.abs() < 1e-10, "{step} {k}: {} {expected}", found[3]);
+        }
+        let nothing = positions.solve_next(&linkage, &[], &mut found, ReliefSolver::LeastNorm);
+        assert!(matches!(nothing, Err(Error::LengthMismatch { .. })));
+        let nan = positions.solve_next(&linkage, &[f64::NAN], &mut found, ReliefSolver::LeastNorm);
+        assert!(matches!(nan, Err(Error::NotFinite { .. })));
+    }
+}
+
 #[test]
 fn a_position_beyond_a_dead_point_is_not_found_on_the_other_branch() {
     let linkage = four_bar();

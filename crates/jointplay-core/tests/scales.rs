@@ -1,6 +1,7 @@
 //! Displacements of virtual joints along a motion do not depend on the scale of the mechanism, nor on the number of steps.
 
 use crate::planar;
+use std::ops::ControlFlow;
 
 use jointplay_core::constraint::CLOSURE_TOLERANCE;
 use jointplay_core::mechanism::{
@@ -66,7 +67,10 @@ impl Stage {
         let mechanism = self.mechanism(scale);
         let home = close_at_rest(&mechanism, None).unwrap().coordinates;
         let path = DrivePath::line(&home, &[Drive { coordinate: 0, to }]).unwrap();
-        let motion = drive_from(&mechanism, &home, &path, &[], steps, None, &mut |_| ()).unwrap();
+        let motion = drive_from(&mechanism, &home, &path, &[], steps, None, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .unwrap();
         assert_eq!(motion.stopped, None, "{self:?} {scale} {steps}");
         self.without_scale(scale, &motion.waypoints.last().unwrap().coordinates)
     }

@@ -2,6 +2,7 @@
 
 use crate::families;
 use crate::robot;
+use std::ops::ControlFlow;
 
 use families::{bennett_row, scissor_lift};
 use jointplay_core::Error;
@@ -96,7 +97,8 @@ fn what_cannot_move_at_all() {
     let mut reported = Vec::new();
     let motion = system
         .drive_along(&DrivePath::through(vec![], vec![vec![]; 2]).unwrap(), &[], 3, &mut |done| {
-            reported.push(done)
+            reported.push(done);
+            ControlFlow::Continue(())
         })
         .unwrap();
     assert_eq!((motion.waypoints.len(), motion.stopped), (4, None));

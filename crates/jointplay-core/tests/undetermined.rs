@@ -1,6 +1,7 @@
 //! Joints that are neither commanded nor determined by the commands: they move least.
 
 use crate::robot;
+use std::ops::ControlFlow;
 
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
@@ -121,7 +122,9 @@ fn driving_a_ball_joint_stays_near_home() {
     let free: Vec<usize> = (0..12).filter(|&k| k != 2).collect();
     let drives = [Drive { coordinate: 2, to: tilt_angle }];
     let path = DrivePath::line(system.home(), &drives).unwrap();
-    let motion = drive_relieved(&system, &system, &path, &free, 5, &mut |_| ()).unwrap();
+    let motion =
+        drive_relieved(&system, &system, &path, &free, 5, &mut |_| ControlFlow::Continue(()))
+            .unwrap();
     assert_eq!((motion.stopped, motion.waypoints.len()), (None, 6));
     for point in &motion.waypoints {
         assert!(RODS.iter().all(|&k| point.coordinates[k].abs() < 1.1 * RADIUS * tilt_angle));

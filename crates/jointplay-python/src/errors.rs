@@ -6,7 +6,7 @@ use jointplay::gpr::BrokenLimit;
 use jointplay::linalg::LinalgError;
 use jointplay::report::study_parts::PartsError;
 use jointplay::study;
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -56,6 +56,10 @@ pub(crate) fn file<P: std::fmt::Display>(
 
 /// An error of the core.
 pub(crate) fn core(py: Python<'_>, error: &Error) -> PyErr {
+    if *error == Error::Interrupted {
+        // The exception that a signal raised.
+        return PyErr::take(py).unwrap_or_else(|| PyKeyboardInterrupt::new_err(()));
+    }
     let message = error.to_string();
     let (class, facts) = match class_and_facts(py, error) {
         Ok((class, facts)) => (class, Ok(facts)),

@@ -42,6 +42,8 @@ use pyo3::prelude::*;
 
 #[pymodule]
 fn _jointplay(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    // Loads NumPy now: its interface must not be asked for while a signal waits.
+    let _ = numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
     module.add_class::<gpr::PyGpr>()?;
     module.add_class::<mechanism::PyMechanism>()?;
     module.add_function(wrap_pyfunction!(mechanism::catalogue_of_names, module)?)?;

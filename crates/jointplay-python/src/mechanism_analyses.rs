@@ -281,8 +281,8 @@ impl PyMechanism {
     ///
     /// Notes
     /// -----
-    /// The first row starts from the closed configuration nearest the guesses of the file, every other from the one before it that closed: neighbours should be near.
-    /// Independent rows, as of a workspace map or of random samples, have to be near the first one instead: rows that Newton's method does not close from there have the status `NOT_CONVERGED`.
+    /// The first row starts from the closed configuration nearest the guesses of the file, every other from the one before it that closed, on the branch of the motion from there; rows whose neighbours are near take the least time.
+    /// Independent rows, as of a workspace map or of random samples, have to be near the first one instead: rows that Newton's method does not close from there have the status `NOT_CONVERGED`, and rows far from it may end on another branch, which their status does not show.
     #[pyo3(signature = (commanded, *, solver="least-norm", check_limits=true, independent=false, threads=None))]
     fn positions<'py>(
         slf: &Bound<'py, Self>,
@@ -373,7 +373,7 @@ impl PyMechanism {
             for (i, row) in rows.values.chunks_exact_mut(width).enumerate().skip(first) {
                 let mut next = here.clone();
                 command.iter_mut().zip(&columns).for_each(|(to, column)| *to = column.at(i));
-                let solved = positions.solve(mechanism, &command, &mut next, solver);
+                let solved = positions.solve_next(mechanism, &command, &mut next, solver);
                 let residual = match solved {
                     Ok(residual) => residual,
                     Err(error) => {

@@ -1,11 +1,15 @@
 //! Closed configurations of a mechanism for commanded coordinates.
 
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
 use jointplay::Error;
 use jointplay::mechanism::{
     Closure, DrivePath, DrivenMotion, MechanismSystem, Relief, close_at_rest, drive_from,
     pose_commanded, relieve_commanded,
 };
 use jointplay::nalgebra::DVector;
+use pyo3::prelude::*;
 
 use crate::mechanism::PyMechanism;
 
@@ -42,6 +46,27 @@ impl PyMechanism {
         held: &[usize],
         steps: usize,
     ) -> Result<DrivenMotion, Error> {
-        drive_from(&self.file.mechanism, from, path, held, steps, None, &mut |_| ())
+        drive_from(&self.file.mechanism, from, path, held, steps, None, &mut signals())
+    }
+}
+
+/// Time between two looks at whether a signal came.
+const BETWEEN_SIGNALS: Duration = Duration::from_millis(50);
+
+/// Ends a motion where a signal of Python raises an exception, which [`crate::errors::core`] passes on.
+fn signals() -> impl FnMut(usize) -> ControlFlow<()> {
+    let mut last = Instant::now();
+    move |_| {
+        if last.elapsed() < BETWEEN_SIGNALS {
+            return ControlFlow::Continue(());
+        }
+        last = Instant::now();
+        Python::attach(|py| match py.check_signals() {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(raised) => {
+                raised.restore(py);
+                ControlFlow::Break(())
+            }
+        })
     }
 }

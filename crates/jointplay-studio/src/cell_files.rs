@@ -1,5 +1,6 @@
 //! The two files of a work cell, the cell file and the program file, read and written together.
 
+use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,9 @@ pub(crate) fn read_text(path: &Path, most: usize) -> std::io::Result<String> {
     }
     Ok(text)
 }
+
+/// Files that a cell names, each with the digest of its contents; none for one that could not be read.
+pub(crate) type NamedFiles = BTreeMap<String, Option<String>>;
 
 /// The texts of a cell and its program, with the path of the cell file.
 #[derive(Debug, Clone)]
@@ -98,7 +102,23 @@ impl CellFiles {
 
     /// Parses the text of a cell file; files that it names are looked up in the folder of this cell file.
     pub(crate) fn parse(&self, text: &str) -> Result<Cell, cell::Errors> {
-        cell::read(text, &mut |name| self.named(name))
+        self.parse_with_named(text).0
+    }
+
+    /// As [`Self::parse`], with the files that the text names.
+    pub(crate) fn parse_with_named(&self, text: &str) -> (Result<Cell, cell::Errors>, NamedFiles) {
+        let mut named = NamedFiles::new();
+        let cell = cell::read(text, &mut |name| {
+            let found = self.named(name);
+            named.insert(name.to_owned(), found.as_deref().ok().map(sha256));
+            found
+        });
+        (cell, named)
+    }
+
+    /// Whether the files on disk still have the contents that were read.
+    pub(crate) fn still_have(&self, named: &NamedFiles) -> bool {
+        named.iter().all(|(name, digest)| self.named(name).as_deref().ok().map(sha256) == *digest)
     }
 
     /// The bytes of a file that a cell names, in the folder of this cell file.

@@ -22,17 +22,19 @@ use jointplay::format::program;
 use jointplay::interop::export::{self, MotionExport, Timeline, ViolationNote};
 use jointplay::report;
 
-use crate::cell_files::CellFiles;
+use crate::cell_files::{CellFiles, NamedFiles};
 use crate::wire::cell::{Diagnostic, SourceText};
 
 /// Plan of a program in a cell, as far as planning succeeded.
 pub(crate) struct Plan {
-    /// Hash of both texts and of the units.
+    /// Hash of both texts, of the files that the cell names, and of the units.
     pub(crate) key: String,
     /// Units of lengths in messages.
     units: DisplayUnits,
     cell_text: String,
     program_text: String,
+    /// The files that the cell names.
+    named: NamedFiles,
     pub(crate) cell: Option<Cell>,
     /// The 3D scene of the cell.
     pub(crate) scene: Option<Arc<Scene>>,
@@ -89,11 +91,13 @@ impl Plan {
         last: Option<&Self>,
         stop: StopRequested<'_>,
     ) -> Result<Self, Interrupted> {
+        let (cell, named) = files.parse_with_named(&cell_text);
         let mut plan = Self {
-            key: key(&cell_text, &program_text, units),
+            key: hashed((&cell_text, &program_text, &named, units.unit())),
             units,
             cell_text,
             program_text,
+            named,
             cell: None,
             scene: None,
             diagnostics: Vec::new(),
@@ -103,7 +107,7 @@ impl Plan {
             timeline: None,
             violation_notes: Vec::new(),
         };
-        match files.parse(&plan.cell_text) {
+        match cell {
             Ok(cell) => {
                 // Compared by value: mesh files may have changed with an unchanged text.
                 let reusable = last.filter(|last| last.cell.as_ref() == Some(&cell));
@@ -171,9 +175,17 @@ impl Plan {
         go_on()
     }
 
-    /// Whether it is the plan of these texts, with messages in these units.
-    pub(crate) fn is_of(&self, cell: &str, program: &str, units: DisplayUnits) -> bool {
-        self.cell_text == cell && self.program_text == program && self.units == units
+    /// Whether it is the plan of these texts and of the present contents of the files that the cell names, with messages in these units.
+    pub(crate) fn is_of(
+        &self,
+        files: &CellFiles,
+        (cell, program): (&str, &str),
+        units: DisplayUnits,
+    ) -> bool {
+        self.cell_text == cell
+            && self.program_text == program
+            && self.units == units
+            && files.still_have(&self.named)
     }
 
     /// Both texts, the cell first.
@@ -198,11 +210,6 @@ impl Plan {
         let violations = self.report.as_ref().map_or(&[][..], |report| &report.violations);
         Some(timeline.content(&motion_export, violations, index))
     }
-}
-
-/// Hash of two texts and of the units of messages.
-pub(crate) fn key(cell: &str, program: &str, units: DisplayUnits) -> String {
-    hashed((cell, program, units.unit()))
 }
 
 /// Why a program has no motion.

@@ -45,16 +45,19 @@ impl WorkcellSession {
         self.0.plans.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The plan of a program in a cell, from the cache where both texts are those of a kept plan, with messages in the units of the request.
+    /// The plan of a program in a cell, from the cache where both texts and all files that the cell names are those of a kept plan, with messages in the units of the request.
     pub(crate) fn plan(
         &self,
         cell: String,
         program: String,
         stop: StopRequested<'_>,
     ) -> Result<Arc<Plan>, Interrupted> {
-        let units = display_units();
-        let cached =
-            || self.plans().iter().find(|plan| plan.is_of(&cell, &program, units)).map(Arc::clone);
+        let (units, files) = (display_units(), self.files());
+        let cached = || {
+            // Files are read without the lock.
+            let plans = self.plans().clone();
+            plans.into_iter().find(|plan| plan.is_of(&files, (&cell, &program), units))
+        };
         if let Some(plan) = cached() {
             return Ok(plan);
         }
@@ -68,14 +71,8 @@ impl WorkcellSession {
         }
         let previous = self.plans().back().map(Arc::clone);
         let texts = (cell, program);
-        let plan = Arc::new(Plan::new(
-            &self.files(),
-            texts,
-            units,
-            &mut memory,
-            previous.as_deref(),
-            stop,
-        )?);
+        let plan =
+            Arc::new(Plan::new(&files, texts, units, &mut memory, previous.as_deref(), stop)?);
         let mut plans = self.plans();
         plans.push_back(Arc::clone(&plan));
         while plans.len() > MAX_PLANS {

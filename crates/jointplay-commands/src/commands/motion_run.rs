@@ -1,5 +1,7 @@
 //! Running a motion: to the start of its path, then along it.
 
+use std::ops::ControlFlow;
+
 use jointplay::mechanism::{Drive, DrivePath, DrivenMotion, drive_from, held_actuators};
 use jointplay::nalgebra::DVector;
 use jointplay::report;
@@ -66,7 +68,10 @@ pub(super) fn follow(
     let (mechanism, path, steps) = (&input.file.mechanism, &course.path, course.steps);
     let mut progress = Progress::new(steps);
     progress.stage(stage);
-    let mut progress = |done| progress.at(done);
+    let mut progress = |done| {
+        progress.at(done);
+        ControlFlow::Continue(())
+    };
     drive_from(mechanism, from, path, held, steps, input.tolerance, &mut progress)
         .map_err(|error| input.unassembled(error))
 }

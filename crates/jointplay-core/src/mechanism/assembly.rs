@@ -83,8 +83,8 @@ pub(super) fn assemble_within(
     starts: usize,
     tolerance: Option<f64>,
 ) -> Result<Closure, Error> {
-    let system = MechanismSystem::new(mechanism, start.clone())?;
     let free = free(mechanism, held)?;
+    let system = MechanismSystem::new(mechanism, start.clone())?.with_free(&free);
     let best = close(&system, &free, MAX_ITERATIONS)?;
     if best.is_closed() {
         return Ok(best);
@@ -145,8 +145,8 @@ pub fn branches(
     held: &[usize],
     starts: usize,
 ) -> Result<Branches, Error> {
-    let system = MechanismSystem::new(mechanism, start.clone())?;
     let free = free(mechanism, held)?;
+    let system = MechanismSystem::new(mechanism, start.clone())?.with_free(&free);
     let first = close(&system, &free, MAX_ITERATIONS)?;
     let (mut found, _) = search(&system, &free, starts, first.clone())?;
     if first.is_closed() {

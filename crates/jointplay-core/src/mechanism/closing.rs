@@ -48,7 +48,7 @@ pub fn close(
     let rows = units(&start.constraint_dimensions(), length);
     let columns = units(start.kinematics().dimensions(), length);
     let free_units = DVector::from_iterator(free.len(), free.iter().map(|&k| columns[k]));
-    let mut here = start.clone();
+    let mut here = start.clone().with_free(free);
     let mut residual = scaled_residual(&here.residual(&here.at_home()), &rows);
     let mut damping_factor = 1.0;
     let mut iterations = 0;

@@ -13,7 +13,7 @@ use crate::Error;
 use crate::bulk::{Status, StatusCounts};
 use crate::constraint::{System as _, units};
 
-/// First step toward values far away, in radians and characteristic lengths.
+/// First step toward values far away, and distance of values that are near, in radians and characteristic lengths.
 const FIRST_STEP: f64 = 0.1;
 /// Longest step where motions of links are undetermined, so that there is no tangent to follow.
 pub(super) const STEP_WITHOUT_TANGENT: f64 = 0.05;
@@ -167,6 +167,36 @@ impl CommandedPositions {
             row.copy_from_slice(coordinates.as_slice());
         }
         Ok(StatusCounts::of(status))
+    }
+
+    /// Closes the loops for values of the next configuration: at once where they are near those of the present one, as [`solve`](Self::solve), else on its branch, as [`follow`](Self::follow).
+    ///
+    /// # Arguments
+    /// As [`follow`](Self::follow).
+    ///
+    /// # Errors
+    /// Those of [`follow`](Self::follow).
+    ///
+    /// # Numerics
+    /// Values are near if each differs by 0.1 rad or characteristic lengths at most.
+    pub fn solve_next(
+        &mut self,
+        mechanism: &Mechanism,
+        values: &[f64],
+        coordinates: &mut DVector<f64>,
+        solver: ReliefSolver,
+    ) -> Result<f64, Error> {
+        let commanded = self.kinematics.commanded();
+        let is_near = |(&k, value): (&usize, &f64)| {
+            let unit = self.kinematics.unit_of(k);
+            // Indices of other vectors, and values that are not numbers, are errors of the solution.
+            coordinates.get(k).is_none_or(|here| !((value - here).abs() > FIRST_STEP * unit))
+        };
+        if commanded.iter().zip(values).all(is_near) {
+            self.solve(mechanism, values, coordinates, solver)
+        } else {
+            self.follow(mechanism, values, coordinates, solver)
+        }
     }
 
     /// Closes the loops for values far from a configuration, on the branch that the motion toward them stays on; returns the residual, in radians and characteristic lengths.

@@ -1,5 +1,7 @@
 //! Driving a mechanism of any size, with or without virtual joints.
 
+use std::ops::ControlFlow;
+
 use nalgebra::DVector;
 
 use super::coupling_conflicts::determined;
@@ -19,10 +21,10 @@ pub const DEFAULT_STEPS: usize = 60;
 /// * `held` – indices of other joint coordinates that keep their values, see [`held_actuators`]
 /// * `count` – number of steps to report
 /// * `tolerance` – largest mismatch of the configuration at rest that counts as closed; `None` for loops that close exactly
-/// * `progress` – called with the number of steps done after each
+/// * `progress` – called again and again, with the number of reported steps that are done; ends the motion by [`ControlFlow::Break`]
 ///
 /// # Errors
-/// Those of [`drive_along`], [`drive_relieved`] and [`SparseSystem::drive_along`]; of a mechanism with virtual joints those of [`close_at_rest`].
+/// [`Error::Interrupted`]; those of [`drive_along`], [`drive_relieved`] and [`SparseSystem::drive_along`]; of a mechanism with virtual joints those of [`close_at_rest`].
 pub fn drive_from(
     mechanism: &Mechanism,
     start: &DVector<f64>,
@@ -30,7 +32,7 @@ pub fn drive_from(
     held: &[usize],
     count: usize,
     tolerance: Option<f64>,
-    progress: &mut dyn FnMut(usize),
+    progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<DrivenMotion, Error> {
     if !MechanismSystem::fits(mechanism) {
         let system = SparseSystem::new(mechanism, start.clone())?;

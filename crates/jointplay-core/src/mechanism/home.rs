@@ -14,6 +14,7 @@ use super::system::MechanismSystem;
 use super::unassembled::{NEARLY_CLOSED, Unassembled};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, System as _, units};
+use crate::mobility::check_tolerance;
 
 /// Number of other starts, if the guess does not close.
 const STARTS: usize = 30;
@@ -196,6 +197,7 @@ pub(super) fn close(
     tolerance: Option<f64>,
     accepted: impl Fn(&Unassembled, Option<f64>) -> Option<Closure>,
 ) -> Result<Closure, Error> {
+    tolerance.map(check_tolerance).transpose()?;
     // Closures within a tolerance need dense algebra, which refuses mechanisms that are too large.
     if !MechanismSystem::fits(mechanism) && tolerance.is_none() {
         let (system, iterations) = close_sparse(mechanism, commands)?;

@@ -1,14 +1,15 @@
 //! Kinematics of a mechanism: spanning tree, loops, link poses, screws.
 
-use nalgebra::{DVector, Matrix3, Rotation3, Translation3, Vector3};
+use nalgebra::{DVector, Matrix3, Translation3, Vector3};
 
 use super::attached_frame::FrameId;
+use super::ball::BallChange;
 use super::description::{Carrier, Mechanism, VirtualMotion};
 use super::joint::{Coordinate, Factor, Twist};
 use super::tree::{Branch, link_poses, spanning_tree};
 use crate::Error;
 use crate::constraint::Dimension;
-use crate::spatial::{Pose, rotation_vector};
+use crate::spatial::Pose;
 
 /// Joints of a mechanism as chains of elementary motions, and the tree and the loops that they form.
 ///
@@ -44,6 +45,8 @@ pub(super) struct Element {
     pub(super) coordinate: usize,
     /// −1 for what is walked against its sense.
     pub(super) sign: f64,
+    /// Of a ball, how displacements change it.
+    pub(super) change: BallChange,
 }
 
 /// Link poses and joint screws at a configuration.
@@ -95,7 +98,8 @@ impl<'a> Kinematics<'a> {
             let (mut elements, mut before) = (Vec::new(), Pose::identity());
             let mut push = |before: &mut Pose, factor, coordinate, sign| {
                 let before = std::mem::replace(before, Pose::identity());
-                elements.push(Element { before, factor, coordinate, sign });
+                let change = BallChange::Turned;
+                elements.push(Element { before, factor, coordinate, sign, change });
             };
             let on = |carrier| {
                 let here = mechanism.virtual_joints().iter().enumerate();
@@ -152,37 +156,47 @@ impl<'a> Kinematics<'a> {
         &self.cuts
     }
 
-    /// Coordinates after a small displacement: added, but for balls, which turn on by it in their own frame.
+    /// The same kinematics, in which balls with commanded coordinates change by their rotation vectors, so that these coordinates keep the values of their commands.
+    #[must_use]
+    pub(super) fn commanding(mut self, is_free: impl Fn(usize) -> bool) -> Self {
+        for element in self.chains.iter_mut().flat_map(|chain| &mut chain.elements) {
+            let k = element.coordinate;
+            if element.factor == Factor::Ball {
+                let is_commanded = !(k..k + 3).all(&is_free);
+                element.change = if is_commanded { BallChange::Added } else { BallChange::Turned };
+            }
+        }
+        self
+    }
+
+    /// How displacements change each ball, and the first of its coordinates.
+    fn balls(&self) -> impl Iterator<Item = (BallChange, usize)> + '_ {
+        let elements = self.chains.iter().flat_map(|chain| &chain.elements);
+        let balls = elements.filter(|element| element.factor == Factor::Ball);
+        balls.map(|element| (element.change, element.coordinate))
+    }
+
+    /// Coordinates after a small displacement: added, but for balls without commands, which turn on by it in their own frame.
     #[must_use]
     pub fn moved(&self, home: &DVector<f64>, by: &DVector<f64>) -> DVector<f64> {
         let mut moved = home + by;
-        for element in self.chains.iter().flat_map(|chain| &chain.elements) {
-            if matches!(element.factor, Factor::Ball) {
-                let k = element.coordinate;
-                let turn = by.fixed_rows::<3>(k).into_owned();
-                if turn == Vector3::zeros() {
-                    continue;
-                }
-                let rotation = ball(home, k) * cayley(&turn);
-                moved.fixed_rows_mut::<3>(k).copy_from(&rotation_vector(&rotation));
-            }
+        for (change, k) in self.balls() {
+            let [home, by] = [home, by].map(|all| all.fixed_rows::<3>(k).into_owned());
+            moved.fixed_rows_mut::<3>(k).copy_from(&change.displaced(&home, &by));
         }
         moved
     }
 
-    /// (f) how joint coordinates differ between two configurations [m, rad]: for a ball the rotation vector from the first to the second, in the turned frame.
+    /// (f) how joint coordinates differ between two configurations [m, rad]: for a ball without commands the rotation vector from the first to the second, in the turned frame.
     ///
     /// # Arguments
     /// * `from`, `to` – at least the (f) coordinates of the joints (m, rad)
     pub(super) fn displacement(&self, from: &DVector<f64>, to: &DVector<f64>) -> DVector<f64> {
         let f = self.mechanism.joint_freedoms();
         let mut by = to.rows(0, f) - from.rows(0, f);
-        for element in self.chains.iter().flat_map(|chain| &chain.elements) {
-            if matches!(element.factor, Factor::Ball) && element.coordinate < f {
-                let k = element.coordinate;
-                let turn = rotation_vector(&(ball(from, k).inverse() * ball(to, k)));
-                by.fixed_rows_mut::<3>(k).copy_from(&turn);
-            }
+        for (change, k) in self.balls().filter(|&(_, k)| k < f) {
+            let [from, to] = [from, to].map(|all| all.fixed_rows::<3>(k).into_owned());
+            by.fixed_rows_mut::<3>(k).copy_from(&change.difference(&from, &to));
         }
         by
     }
@@ -238,9 +252,9 @@ impl<'a> Kinematics<'a> {
             let first = links[self.mechanism.joints()[j].links[0]];
             let mut of_joint = Vec::new();
             self.through_elements(j, first, home, by, |element, before, after| {
-                element.screws(before, after, by, reference, &mut screws);
+                element.screws(before, after, [home, by], reference, &mut screws);
                 if let Some(along) = along {
-                    of_joint.push(element.rate(after, by, along));
+                    of_joint.push(element.rate(after, [home, by], along));
                 }
             });
             rates.push(of_joint);
@@ -382,27 +396,32 @@ impl Chain {
 impl Element {
     fn transform(&self, home: &DVector<f64>, by: &DVector<f64>) -> Pose {
         let k = self.coordinate;
-        if matches!(self.factor, Factor::Ball) {
-            let turn = cayley(&by.fixed_rows::<3>(k).into_owned());
-            return Pose::from_parts(Translation3::identity(), ball(home, k) * turn);
+        if self.factor == Factor::Ball {
+            let [home, by] = self.own([home, by]);
+            return Pose::from_parts(Translation3::identity(), self.change.rotation(&home, &by));
         }
         self.factor.transform(&[self.sign * (home[k] + by[k])])
     }
 
-    /// Twists of its coordinates in the base frame, the linear part at the reference point.
+    /// The three coordinates of a ball in vectors of all.
+    fn own<const N: usize>(&self, all: [&DVector<f64>; N]) -> [Vector3<f64>; N] {
+        all.map(|all| all.fixed_rows::<3>(self.coordinate).into_owned())
+    }
+
+    /// Twists of its coordinates in the base frame, at a displacement from home; the linear part at the reference point.
     pub(super) fn screws(
         &self,
         before: &Pose,
         after: &Pose,
-        by: &DVector<f64>,
+        at: [&DVector<f64>; 2],
         reference: &Vector3<f64>,
         screws: &mut [Twist],
     ) {
         let k = self.coordinate;
         for freedom in 0..self.factor.coordinates().len() {
-            let (angular, linear) = if matches!(self.factor, Factor::Ball) {
-                let p = by.fixed_rows::<3>(k).into_owned();
-                let body = body_rate(&p, &Vector3::ith(freedom, 1.0));
+            let (angular, linear) = if self.factor == Factor::Ball {
+                let [home, by] = self.own(at);
+                let body = self.change.body_rate(&home, &by, &Vector3::ith(freedom, 1.0));
                 (after.rotation * body, Vector3::zeros())
             } else {
                 let (angular, linear) = self.factor.screw(freedom);
@@ -414,14 +433,17 @@ impl Element {
     }
 
     /// Angular rate of change of its own twist at constant coordinate rates: not zero only for a displaced ball.
-    fn rate(&self, after: &Pose, by: &DVector<f64>, along: &DVector<f64>) -> Vector3<f64> {
-        if !matches!(self.factor, Factor::Ball) {
+    fn rate(
+        &self,
+        after: &Pose,
+        [home, by]: [&DVector<f64>; 2],
+        along: &DVector<f64>,
+    ) -> Vector3<f64> {
+        if self.factor != Factor::Ball {
             return Vector3::zeros();
         }
-        let p = by.fixed_rows::<3>(self.coordinate).into_owned();
-        let v = along.fixed_rows::<3>(self.coordinate).into_owned();
-        let factor = -0.5 * p.dot(&v) / (1.0 + 0.25 * p.norm_squared());
-        after.rotation * (body_rate(&p, &v) * factor)
+        let [home, by, along] = self.own([home, by, along]);
+        after.rotation * self.change.body_acceleration(&home, &by, &along)
     }
 }
 
@@ -437,23 +459,6 @@ fn dimension(coordinate: &Coordinate) -> Dimension {
         Coordinate::Slide => Dimension::Length,
         Coordinate::Turn => Dimension::Angle,
     }
-}
-
-fn ball(coordinates: &DVector<f64>, first: usize) -> Rotation3<f64> {
-    Rotation3::new(coordinates.fixed_rows::<3>(first).into_owned())
-}
-
-/// The rotation with the quaternion (1, p/2), normalised: its angle is |p| up to third order, and it needs no trigonometry.
-pub(super) fn cayley(p: &Vector3<f64>) -> Rotation3<f64> {
-    let u = p * 0.5;
-    let cross = u.cross_matrix();
-    let scale = 2.0 / (1.0 + u.norm_squared());
-    Rotation3::from_matrix_unchecked(Matrix3::identity() + (cross + cross * cross) * scale)
-}
-
-/// Angular velocity of [`cayley`] in the turned frame.
-fn body_rate(p: &Vector3<f64>, rate: &Vector3<f64>) -> Vector3<f64> {
-    (rate - p.cross(rate) * 0.5) / (1.0 + 0.25 * p.norm_squared())
 }
 
 pub(crate) fn plus(a: &Twist, b: &Twist) -> Twist {

@@ -5,6 +5,7 @@
 
 mod assembly;
 mod attached_frame;
+mod ball;
 mod blocks;
 mod closing;
 mod closure;

@@ -1,5 +1,7 @@
 //! Driving joints along a path.
 
+use std::ops::ControlFlow;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::driven_motion::{DrivenMotion, SingularConfiguration, Stop, Waypoint};
@@ -61,7 +63,7 @@ pub fn drive(
     count: usize,
 ) -> Result<DrivenMotion, Error> {
     let path = DrivePath::line(start.home(), drives)?;
-    drive_along(start, &path, free, count, &mut |_| {})
+    drive_along(start, &path, free, count, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Drives some joints from a closed configuration along a path, as [`drive`] does along a straight line.
@@ -70,16 +72,16 @@ pub fn drive(
 /// * `start` – at a closed configuration, the driven coordinates at the first point of the path
 /// * `free` – the coordinates that follow
 /// * `count` – number of steps to report, of equal shares: that of the segments of the path, or a multiple, to report all its points
-/// * `progress` – called with the number of steps done after each
+/// * `progress` – called again and again, with the number of reported steps that are done; ends the motion by [`ControlFlow::Break`]
 ///
 /// # Errors
-/// Those of [`drive`].
+/// [`Error::Interrupted`]; those of [`drive`].
 pub fn drive_along(
     start: &MechanismSystem<'_>,
     path: &DrivePath,
     free: &[usize],
     count: usize,
-    progress: &mut dyn FnMut(usize),
+    progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<DrivenMotion, Error> {
     let closed = close(start, free, MAX_CORRECTIONS)?;
     let run = DriveProblem::new(start, path, free);
@@ -102,6 +104,7 @@ pub fn drive_along(
         let mut step = target - here.share;
         while here.share < target {
             motion.steps += 1;
+            go_on(progress(k - 1))?;
             let share = if here.share + step >= target - 0.01 * SHORTEST_STEP {
                 target
             } else {
@@ -149,7 +152,7 @@ pub fn drive_along(
             run.note_singular(&trail, regular_rank, &mut motion.singular)?;
         }
         motion.waypoints.push(here.clone());
-        progress(k);
+        go_on(progress(k))?;
     }
     if motion.stopped.is_none() {
         run.note_last_step(&trail, regular_rank, &mut motion.singular)?;
@@ -160,6 +163,11 @@ pub fn drive_along(
         motion.waypoints.push(here);
     }
     Ok(motion)
+}
+
+/// An error where the caller ends the motion.
+pub(super) fn go_on(flow: ControlFlow<()>) -> Result<(), Error> {
+    if flow.is_break() { Err(Error::Interrupted) } else { Ok(()) }
 }
 
 /// The least singular value that counts at regular configurations, as a share of the largest.
@@ -175,7 +183,7 @@ pub(super) fn on_branch(correction: f64, size: f64) -> bool {
 
 /// A path of driven coordinates, and the coordinates that follow.
 pub(super) struct DriveProblem<'a> {
-    system: &'a MechanismSystem<'a>,
+    system: MechanismSystem<'a>,
     path: &'a DrivePath,
     free: &'a [usize],
     rows: DVector<f64>,
@@ -184,18 +192,15 @@ pub(super) struct DriveProblem<'a> {
 
 impl<'a> DriveProblem<'a> {
     pub(super) fn new(
-        system: &'a MechanismSystem<'a>,
+        system: &MechanismSystem<'a>,
         path: &'a DrivePath,
         free: &'a [usize],
     ) -> Self {
+        let system = system.clone().with_free(free);
         let length = system.characteristic_length();
-        Self {
-            system,
-            path,
-            free,
-            rows: units(&system.constraint_dimensions(), length),
-            columns: units(system.kinematics().dimensions(), length),
-        }
+        let rows = units(&system.constraint_dimensions(), length);
+        let columns = units(system.kinematics().dimensions(), length);
+        Self { system, path, free, rows, columns }
     }
 
     /// Scaled Jacobian of the coordinates that follow.

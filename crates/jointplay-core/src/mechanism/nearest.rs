@@ -117,7 +117,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(part: &'a Mechanism, guess: DVector<f64>, free: Vec<usize>) -> Result<Self, Error> {
-        let system = MechanismSystem::new(part, guess)?.with_rotation_vectors();
+        let system = MechanismSystem::new(part, guess)?.with_rotation_vectors().with_free(&free);
         let elements = system.kinematics().chains().iter().flat_map(|chain| &chain.elements);
         // A whole turn of a coupled coordinate changes the others.
         let coupled = coupling_rows(system.kinematics(), system.characteristic_length());

@@ -20,7 +20,7 @@ const RELIEF_THRESHOLD: f64 = 1e-9;
 const SETTLED: f64 = 1e-14;
 /// Undetermined joints this near to where they would be nearest home are there, in radians and characteristic lengths.
 const AT_HOME: f64 = 1e-12;
-/// Longest turn of the passive joints in one step, all of them together (rad).
+/// Longest turn of the passive and virtual joints in one step, all of them together (rad): a longer step might end at a displacement that is least among those a whole turn away.
 const LONGEST_STEP: f64 = 0.5;
 /// Bounds of the relaxation factor of steps toward home.
 const LEAST_FACTOR: f64 = 0.02;
@@ -133,6 +133,7 @@ impl CommandedJoints {
         let joints = home.coordinate_dimensions().len();
         crate::error::indices("joint coordinate", coordinates, joints)?;
         let passive = passive(joints, coordinates);
+        let home = &home.clone().with_free(&passive);
         let held = DrivenCurve::new(home, &passive, None);
         let here = held.here();
         let there = ForcedClosure::new(&held, &here);
@@ -226,14 +227,10 @@ pub fn relieve(
     solver: ReliefSolver,
 ) -> Result<Relief, Error> {
     let near_miss;
+    let passive = passive(start.coordinate_dimensions().len(), &commanded.coordinates);
+    let start = &start.clone().with_free(&passive);
     let start = if commanded.is_open {
-        let passive = passive(start.coordinate_dimensions().len(), &commanded.coordinates);
-        let mut coordinates = near_miss_at(start, &passive)?.coordinates;
-        // A ball of which one number is commanded turns by the others.
-        for &k in &commanded.coordinates {
-            coordinates[k] = start.home()[k];
-        }
-        near_miss = start.moved_to(coordinates)?;
+        near_miss = start.moved_to(near_miss_at(start, &passive)?.coordinates)?;
         &near_miss
     } else {
         start
@@ -307,8 +304,10 @@ fn relieved_from(
             follow -= relaxation.relaxed(by);
         }
         // Long slides are as straight as short ones; turns are not.
-        let turns =
-            passive.iter().zip(follow.iter()).filter(|(k, _)| dimensions[**k] == Dimension::Angle);
+        let by_virtual_joints = step.component_div(&roots);
+        let moved = passive.iter().copied().zip(follow.iter());
+        let moved = moved.chain((f..).zip(by_virtual_joints.iter()));
+        let turns = moved.filter(|&(k, _)| dimensions[k] == Dimension::Angle);
         let turned = turns.map(|(_, by)| by * by).sum::<f64>().sqrt();
         if turned > longest {
             follow *= longest / turned;
@@ -319,12 +318,7 @@ fn relieved_from(
             by[k] = *value;
         }
         by.rows_mut(f, roots.len()).copy_from(&step.component_div(&roots));
-        let mut there = here.kinematics().moved(here.home(), &by);
-        // A ball of which one number is commanded turns by the others.
-        for &k in &commanded.coordinates {
-            there[k] = start.home()[k];
-        }
-        here = here.moved_to(there)?;
+        here = here.moved(&by)?;
         let after = here.mismatch(&here.at_home());
         // By stiffness, a displacement of one length has a size of many.
         let unit = length * roots.iter().copied().fold(1.0, f64::max);

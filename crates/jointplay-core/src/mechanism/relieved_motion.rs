@@ -1,6 +1,8 @@
 //! Driving joints along a path with displaced virtual joints.
 
-use super::motion::{DriveProblem, STEP_THRESHOLD};
+use std::ops::ControlFlow;
+
+use super::motion::{DriveProblem, STEP_THRESHOLD, go_on};
 use super::relieved_branch::RelievedBranch;
 use super::{Closure, DrivePath, DrivenMotion, MechanismSystem, Relief, Stop};
 use crate::Error;
@@ -13,10 +15,10 @@ use crate::constraint::System;
 /// * `start` – where the drives begin: the driven coordinates at the first point of the path
 /// * `free` – joint coordinates that follow; all other joint coordinates are commanded
 /// * `count` – number of steps to report
-/// * `progress` – called with the number of steps done after each
+/// * `progress` – called again and again, with the number of reported steps that are done; ends the motion by [`ControlFlow::Break`]
 ///
 /// # Errors
-/// [`Error::NotRelieved`] or [`Error::NotLeast`] if not even the start can be relieved; those of [`super::CommandedJoints::new`].
+/// [`Error::Interrupted`]; [`Error::NotRelieved`] or [`Error::NotLeast`] if not even the start can be relieved; those of [`super::CommandedJoints::new`].
 /// A motion that stops is not an error: see [`DrivenMotion::stopped`].
 ///
 /// # Numerics
@@ -28,7 +30,7 @@ pub fn drive_relieved(
     path: &DrivePath,
     free: &[usize],
     count: usize,
-    progress: &mut dyn FnMut(usize),
+    progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<DrivenMotion, Error> {
     let run = DriveProblem::new(start, path, free);
     let joints = start.coordinate_dimensions().len();
@@ -65,7 +67,7 @@ pub fn drive_relieved(
         here = closed(found);
         let decomposition = run.decomposed(&here.coordinates)?;
         motion.waypoints.push(run.waypoint(share, here.clone(), &decomposition, regular_rank));
-        progress(k);
+        go_on(progress(k))?;
     }
     Ok(motion)
 }

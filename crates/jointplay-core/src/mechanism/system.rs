@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
+use super::ball::rotation_vector_rate;
 use super::coupling_rows::{CouplingRow, coupling_rows};
 use super::description::Mechanism;
 use super::kinematics::{
@@ -93,6 +94,15 @@ impl<'a> MechanismSystem<'a> {
     /// The same system with rotation vectors as angular mismatch, for searches far from closure; it has no second derivative.
     pub(super) fn with_rotation_vectors(self) -> Self {
         Self { angular: AngularMismatch::RotationVector, ..self }
+    }
+
+    /// The same system, in which balls with commanded coordinates change by their rotation vectors, so that these coordinates keep the values of their commands.
+    ///
+    /// # Arguments
+    /// * `free` – indices of the coordinates that are not commanded
+    pub(super) fn with_free(self, free: &[usize]) -> Self {
+        let kinematics = self.kinematics.commanding(|k| free.contains(&k));
+        Self { kinematics, ..self }
     }
 
     /// Whether a mechanism is small enough for the dense algebra of a system; larger ones are for [`super::SparseSystem`].
@@ -431,19 +441,6 @@ impl System for MechanismSystem<'_> {
         // Couplings are linear.
         self.combined(&raw, |_, _| 0.0).column(0).into_owned()
     }
-}
-
-/// Derivative of a rotation vector by the angular velocity in the base frame.
-fn rotation_vector_rate(vector: &Vector3<f64>) -> Matrix3<f64> {
-    let angle = vector.norm();
-    let cross = vector.cross_matrix();
-    // (1 − (θ/2) cot(θ/2)) / θ², by its series for small angles.
-    let factor = if angle < 1e-3 {
-        1.0 / 12.0 + angle * angle / 720.0
-    } else {
-        (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
-    };
-    Matrix3::identity() - cross * 0.5 + cross * cross * factor
 }
 
 /// Middle of the joints, and their root mean square distance from it; 1 m where all are in one point, since no length matters there.

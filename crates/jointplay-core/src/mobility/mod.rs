@@ -28,6 +28,7 @@ pub use instantaneous::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,
 };
 pub use kutzbach::kutzbach_mobility;
+pub(crate) use near::check_tolerance;
 pub use near::{
     ForcedClosure, NearMiss, NearMobility, TOLERANCES, near_miss, near_mobility, near_tolerances,
 };

@@ -99,10 +99,7 @@ pub fn near_mobility<S: System + ?Sized>(
     tolerance: f64,
 ) -> Result<NearMobility, Error> {
     system.check(at)?;
-    if !TOLERANCES.contains(&tolerance) {
-        let (min, max) = (*TOLERANCES.start(), *TOLERANCES.end());
-        return Err(Error::Tolerance { found: tolerance, min, max });
-    }
+    check_tolerance(tolerance)?;
     let residual = system.mismatch(at);
     if residual.is_nan() || residual > tolerance {
         return Err(Error::NotClosed { residual, allowed: tolerance });
@@ -115,6 +112,15 @@ pub fn near_mobility<S: System + ?Sized>(
         next: all.get(mobility).copied(),
         tolerance,
     })
+}
+
+/// Refuses tolerances outside [`TOLERANCES`].
+pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), Error> {
+    if TOLERANCES.contains(&tolerance) {
+        return Ok(());
+    }
+    let (min, max) = (*TOLERANCES.start(), *TOLERANCES.end());
+    Err(Error::Tolerance { found: tolerance, min, max })
 }
 
 /// The tolerance that one motion needs, that two need together, and so on, as far as it is within [`TOLERANCES`]; in radians and characteristic lengths, never decreasing.

@@ -1,13 +1,17 @@
-//! What several endpoints of the cell look up in a request or a plan, and the problems they share.
+//! What several endpoints look up in a request or a plan or compute, and the problems they share.
+
+use std::ops::ControlFlow;
 
 use axum::http::StatusCode;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::SlotId;
 use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{CellError, Interrupted};
+use jointplay::cell::{CellError, Interrupted, StopRequested};
 use jointplay::format::cell::explain;
 use jointplay::interop::export::MotionExport;
+use jointplay::mechanism::{DrivePath, DrivenMotion, Mechanism, drive_from};
+use jointplay::nalgebra::DVector;
 
 use crate::display::display_units;
 use crate::plan::{Plan, rest_at_home};
@@ -17,6 +21,23 @@ use crate::wire::cell_jog::SlotFields;
 pub(super) fn interrupted(_: Interrupted) -> Problem {
     let detail = "the computation was cancelled: the client has disconnected, or the server is shutting down";
     Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail)
+}
+
+/// A motion of a mechanism along a path, until the client disconnects.
+pub(super) fn driven(
+    mechanism: &Mechanism,
+    from: &DVector<f64>,
+    path: &DrivePath,
+    held: &[usize],
+    steps: usize,
+    stop: StopRequested<'_>,
+) -> Result<DrivenMotion, Problem> {
+    let mut progress = |_| if stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    drive_from(mechanism, from, path, held, steps, None, &mut progress).map_err(|error| match error
+    {
+        jointplay::Error::Interrupted => interrupted(Interrupted),
+        other => other.into(),
+    })
 }
 
 pub(super) fn no_motion(plan: &Plan) -> String {

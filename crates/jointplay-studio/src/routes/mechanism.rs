@@ -67,10 +67,8 @@ fn compute(request: &MechanismPosesRequest) -> Result<MechanismPosesDocument, Pr
     for (name, &value) in &request.at {
         let failed = |why: String| Problem::field(format!("at.{name}"), why);
         let k = coordinates.find(mechanism, name).map_err(|error| failed(error.to_string()))?;
-        if !value.is_finite() {
-            return Err(failed("must be a finite number".to_owned()));
-        }
-        commands.insert(k, value);
+        let value = coordinates.checked(k, value);
+        commands.insert(k, value.map_err(|error| failed(error.to_string()))?);
     }
     let commands: Vec<(usize, f64)> = commands.into_iter().collect();
     let closed = pose_commanded(mechanism, &commands, None)?.closed.coordinates;

@@ -7,12 +7,11 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jointplay::cell::StopRequested;
 use jointplay::interop::export::{self, MechanismMotion};
-use jointplay::mechanism::{
-    DEFAULT_STEPS, Drive, DrivePath, DrivenMotion, drive_from, held_actuators,
-};
+use jointplay::mechanism::{DEFAULT_STEPS, Drive, DrivePath, DrivenMotion, held_actuators};
 use jointplay::nalgebra::DVector;
 use jointplay::report::{self, MotionReport, table};
 
+use super::lookup::driven;
 use crate::body::Body;
 use crate::mechanism_source::{self, ReadMechanism, play_scale};
 use crate::problem::Problem;
@@ -81,7 +80,7 @@ fn file(request: &MechanismExportRequest, stop: StopRequested<'_>) -> Result<Vec
         at
     } else {
         let first = [Drive { coordinate, to: from }];
-        let moved = run(&read, &at, &DrivePath::line(&at, &first)?, DEFAULT_STEPS)?;
+        let moved = run(&read, &at, &DrivePath::line(&at, &first)?, DEFAULT_STEPS, stop)?;
         if let Some(message) = described(&read, coordinate, &moved).message {
             let detail = format!("before the start of the motion: {message}");
             return Err(Problem::request(StatusCode::CONFLICT, detail));
@@ -90,7 +89,7 @@ fn file(request: &MechanismExportRequest, stop: StopRequested<'_>) -> Result<Vec
     };
     stopped(stop)?;
     let path = DrivePath::through(vec![coordinate], vec![vec![from], vec![to]])?;
-    let moved = run(&read, &start, &path, request.steps)?;
+    let moved = run(&read, &start, &path, request.steps, stop)?;
     let report = described(&read, coordinate, &moved);
     complete(&report)?;
     stopped(stop)?;
@@ -111,10 +110,11 @@ fn run(
     from: &DVector<f64>,
     path: &DrivePath,
     steps: usize,
+    stop: StopRequested<'_>,
 ) -> Result<DrivenMotion, Problem> {
     let mechanism = &read.file.mechanism;
     let held = held_actuators(mechanism, path.coordinates());
-    Ok(drive_from(mechanism, from, path, &held, steps, None, &mut |_| ())?)
+    driven(mechanism, from, path, &held, steps, stop)
 }
 
 fn described(read: &ReadMechanism, driven: usize, moved: &DrivenMotion) -> MotionReport {

@@ -2,9 +2,11 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::mechanism::{Closure, Drive, DrivePath, drive_from, held_actuators};
+use jointplay::cell::StopRequested;
+use jointplay::mechanism::{Closure, Drive, DrivePath, held_actuators};
 use jointplay::report;
 
+use super::lookup::driven;
 use crate::body::Body;
 use crate::mechanism_source::{self, Unread, how_to_open, play_scale};
 use crate::problem::Problem;
@@ -116,10 +118,10 @@ pub(crate) async fn mechanism_drive(
     State(state): State<AppState>,
     Body(request): Body<DriveRequest>,
 ) -> Result<Json<DriveDocument>, Problem> {
-    state.work.run(move || drive(&request)).await.map(Json)
+    state.work.run_while_awaited(move |stop| drive(&request, stop)).await.map(Json)
 }
 
-fn drive(request: &DriveRequest) -> Result<DriveDocument, Problem> {
+fn drive(request: &DriveRequest, stop: StopRequested<'_>) -> Result<DriveDocument, Problem> {
     let scale = play_scale(request.play_scale)?;
     let read = mechanism_source::required(&request.mechanism)?;
     let from = read.checked(&request.from, "from")?;
@@ -132,7 +134,7 @@ fn drive(request: &DriveRequest) -> Result<DriveDocument, Problem> {
         commands.iter().map(|&(coordinate, to)| Drive { coordinate, to }).collect();
     let path = DrivePath::line(&from, &drives)?;
     let held = held_actuators(mechanism, path.coordinates());
-    let moved = drive_from(mechanism, &from, &path, &held, STEPS, None, &mut |_| ())?;
+    let moved = driven(mechanism, &from, &path, &held, STEPS, stop)?;
     let report = report::motion(&read.file, path.coordinates(), &held, None, &moved);
     let last = moved.waypoints.last();
     let closed = Closure {

@@ -187,6 +187,37 @@ fn planning_after_a_station_change_reuses_results() {
     assert!(reuse.hits > reuse.misses && reuse.misses > 0, "{reuse:?}");
 }
 
+/// A file that the cell names was changed: its text did not.
+#[test]
+fn a_plan_is_that_of_the_present_robot_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = jointplay::format::catalogue::find("dual-arm").unwrap().text;
+    let write = |text: &str| std::fs::write(folder.path().join("arms.toml"), text).unwrap();
+    write(robot);
+    let path = folder.path().join("own.toml");
+    let (cell, _) = CellFiles::example().into_texts();
+    let named = cell.replace("robot = \"dual-arm\"", "robot = \"arms.toml\"");
+    assert_ne!(named, cell);
+    std::fs::write(&path, named).unwrap();
+    let server = server(CellFiles::open(&path).unwrap());
+    let body = json!({ "program": "TRANSFER LP1 SLOT 1 TO ALIGN WITH A\nHOME\n" });
+    let first = plan(&server, &body);
+    assert_eq!(first["report"]["result"], "passed", "{first}");
+    assert_eq!(plan(&server, &body)["key"], first["key"]);
+
+    let slower = robot.replace("velocity_deg_s = 150.0", "velocity_deg_s = 15.0");
+    assert_ne!(slower, robot);
+    write(&slower);
+    let second = plan(&server, &body);
+    assert_ne!(second["key"], first["key"]);
+    let duration = |found: &Value| found["report"]["duration_s"].as_f64().unwrap();
+    assert!(duration(&second) > 1.5 * duration(&first), "{second}");
+    std::fs::remove_file(folder.path().join("arms.toml")).unwrap();
+    let third = plan(&server, &body);
+    assert_eq!(third["report"], Value::Null);
+    assert_ne!(third["diagnostics"], json!([]));
+}
+
 #[test]
 fn all_errors_are_reported_with_their_positions() {
     let server = server(CellFiles::example());

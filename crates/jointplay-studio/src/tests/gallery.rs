@@ -2,6 +2,7 @@
 //!
 //! `INSTA_UPDATE=always cargo test -p jointplay-studio gallery` writes the files.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::{env, fs};
 
@@ -204,7 +205,9 @@ fn side(
         .collect();
     let path = DrivePath::line(start, &drives).unwrap();
     let held = held_actuators(mechanism, path.coordinates());
-    let Ok(moved) = drive_from(mechanism, start, &path, &held, 2 * count, None, &mut |_| ()) else {
+    let Ok(moved) = drive_from(mechanism, start, &path, &held, 2 * count, None, &mut |_| {
+        ControlFlow::Continue(())
+    }) else {
         return Vec::new();
     };
     // Within the limits of the file.

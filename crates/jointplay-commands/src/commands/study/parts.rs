@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use jointplay::format::study::{self, StudyFile};
+use jointplay::format::study::StudyFile;
 use jointplay::report::study_parts::{self, PartFiles, PartWriter};
 use jointplay::report::study_table::TableKind;
 use jointplay::report::{self, SHARES};
@@ -102,13 +102,12 @@ impl PartsArgs {
         let study = match (file, &found) {
             (Some(file), _) => Some(StudySource::read(file)?.parse()?),
             (None, Some(_)) => None,
-            (None, None) if self.status || self.gather.is_some() => {
+            (None, None) => {
                 return Err(Failure::Usage(format!(
                     "{} has no study.json: give a folder with parts of a study, or name the study file",
                     path.display()
                 )));
             }
-            (None, None) => Some(StudySource::read(Path::new(study::examples()[0].name))?.parse()?),
         };
         if self.gather.is_none() && force {
             return Err(Failure::Usage("--force is for --gather and its table".to_owned()));

@@ -17,6 +17,8 @@ use crate::spatial::Pose;
 
 /// Share of the effect of the commands that may be left where they cannot be followed: round-off.
 const FOLLOWED: f64 = 1e-9;
+/// Largest commanded rate: squares of rates, times lengths, are numbers.
+const LARGEST_RATE: f64 = 1e100;
 
 /// Velocities and accelerations of a mechanism for those of its commanded coordinates, loops closed.
 ///
@@ -171,6 +173,12 @@ impl DifferentialKinematics {
         &self.commanded
     }
 
+    /// Unit of a coordinate among the commanded and the eliminated ones: 1 for a turn, the characteristic length for a slide.
+    pub(crate) fn unit_of(&self, coordinate: usize) -> f64 {
+        let place = self.coordinates.iter().position(|&k| k == coordinate);
+        place.map_or(1.0, |place| self.units[place])
+    }
+
     /// (f + M) number of all coordinates.
     #[must_use]
     pub fn coordinate_count(&self) -> usize {
@@ -270,7 +278,7 @@ impl DifferentialKinematics {
         self.state.known = Known::Loops;
         self.require_determined()?;
         self.right.fill(0.0);
-        self.solve(commanded, Order::First)?;
+        self.solve(commanded, Order::First, 0.0)?;
         if self.state.free > 0 {
             self.spread_velocities();
             self.load_of_velocities();
@@ -309,18 +317,20 @@ impl DifferentialKinematics {
         self.acceleration.rates.fill(0.0);
         self.spread_accelerations();
         self.right.fill(0.0);
+        let mut largest = 0.0_f64;
         for (l, closing) in self.loops.closings.iter().enumerate() {
             let last = closing.row + closing.meeting.equations();
             let entries = &mut self.right[closing.row..last];
             let relative = |[first, second]: &[Twist; 2]| minus(first, second);
             let (velocities, length) = (&self.velocity.sides[l], self.loops.length);
+            largest = largest.max(largest_of(&self.acceleration.sides[l], length));
             let acceleration = relative(&self.acceleration.sides[l]);
             self.geometry[l].add(&acceleration, length, -1.0, entries);
             let rate = self.geometry[l].rate(velocities);
             rate.add(&relative(velocities), length, -1.0, entries);
         }
         self.elimination.reflect_right(&mut self.right);
-        self.solve(commanded, Order::Second)?;
+        self.solve(commanded, Order::Second, largest)?;
         if self.state.free > 0 {
             self.spread_accelerations();
             self.load_of_accelerations();
@@ -333,13 +343,21 @@ impl DifferentialKinematics {
     }
 
     /// Rates of the unknowns for those of the commanded coordinates and the reflected right-hand side, dependent ones at zero.
-    pub(super) fn solve(&mut self, commanded: &[f64], order: Order) -> Result<(), Error> {
+    ///
+    /// # Arguments
+    /// * `largest` – of the motions whose differences are the right-hand side: where they cancel, round-off of this size is left
+    pub(super) fn solve(
+        &mut self,
+        commanded: &[f64],
+        order: Order,
+        largest: f64,
+    ) -> Result<(), Error> {
         let (rows, unknowns) = (self.elimination.rows(), self.weights.len());
         let field = match order {
             Order::First => &mut self.velocity,
             Order::Second => &mut self.acceleration,
         };
-        let mut asked = self.right.iter().map(|value| value.abs()).fold(0.0, f64::max);
+        let mut asked = self.right.iter().map(|value| value.abs()).fold(largest, f64::max);
         for (&column, &rate) in self.columns_of_commanded.iter().zip(commanded) {
             field.rates[column] = rate;
             let scaled = rate / self.units[column];
@@ -456,7 +474,15 @@ impl DifferentialKinematics {
             let (what, found) = ("the vector of all rates", out.len());
             return Err(Error::LengthMismatch { what, found, expected });
         }
-        commanded.iter().try_for_each(|&value| crate::error::finite(what, value).map(|_| ()))
+        commanded.iter().try_for_each(|&value| {
+            crate::error::finite(what, value)?;
+            if value.abs() <= LARGEST_RATE {
+                return Ok(());
+            }
+            let (min, max) = (-LARGEST_RATE, LARGEST_RATE);
+            let (what, unit) = ("commanded rate", "m/s or rad/s");
+            Err(Error::OutOfRange { what, value, min, max, unit })
+        })
     }
 }
 
@@ -465,4 +491,10 @@ impl DifferentialKinematics {
 pub(super) enum Order {
     First,
     Second,
+}
+
+/// Largest component of the motions of the two sides of a loop, in radians and characteristic lengths.
+pub(super) fn largest_of(sides: &[Twist; 2], length: f64) -> f64 {
+    let of_side = |side: &Twist| side.0.amax().max(side.1.amax() / length);
+    of_side(&sides[0]).max(of_side(&sides[1]))
 }

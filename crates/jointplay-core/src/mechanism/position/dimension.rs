@@ -3,7 +3,7 @@
 use nalgebra::{DVector, SVector, Vector3, Vector6};
 
 use super::closing_geometry::{ClosingGeometry, power};
-use super::differential::{DifferentialKinematics, Known, Order};
+use super::differential::{DifferentialKinematics, Known, Order, largest_of};
 use super::opening::SideUnknown;
 use super::solver::PositionSolver;
 use super::unknown::CoupledRow;
@@ -103,6 +103,7 @@ impl DifferentialKinematics {
         }
 
         self.right.fill(0.0);
+        let largest = sides.iter().map(|sides| largest_of(sides, length)).fold(0.0, f64::max);
         for (l, closing) in self.loops.closings.iter().enumerate() {
             let last = closing.row + closing.meeting.equations();
             let entries = &mut self.right[closing.row..last];
@@ -114,7 +115,7 @@ impl DifferentialKinematics {
         }
         self.elimination.reflect_right(&mut self.right);
         let held = vec![0.0; self.commanded().len()];
-        self.solve(&held, Order::First).map_err(|error| match error {
+        self.solve(&held, Order::First, largest).map_err(|error| match error {
             Error::DependentCommands { share, allowed } => {
                 Error::DimensionOpensLoops { share, allowed }
             }

@@ -247,7 +247,7 @@ pub(super) fn rotation_vector_of<S: Simd>(simd: S, rotation: &[Three<S>; 3]) -> 
     three!(k => Lanes::of(simd, &found[k][..Lanes::<S>::COUNT]))
 }
 
-/// A rotation turned further by a small rotation vector, as [`crate::mechanism::kinematics::cayley`] turns.
+/// A rotation turned further by a small rotation vector, as [`crate::mechanism::ball::cayley`] turns.
 #[inline(always)]
 pub(super) fn turned_by<S: Simd>(rotation: &[Three<S>; 3], by: &Three<S>) -> [Three<S>; 3] {
     let u = times(by, by[0].like(0.5));

@@ -8,7 +8,8 @@ use super::solver::{LONGEST_STEP, PositionSolver};
 use super::unknown::CoupledRow;
 use super::walk::Turned;
 use crate::mechanism::ReliefSolver;
-use crate::mechanism::kinematics::{cayley, skew_part};
+use crate::mechanism::ball::cayley;
+use crate::mechanism::kinematics::skew_part;
 use crate::spatial::{nearest_angle, rotation_vector};
 
 impl PositionSolver {

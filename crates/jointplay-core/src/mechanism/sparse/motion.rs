@@ -1,12 +1,14 @@
 //! Closing and driving by sparse algebra.
 
+use std::ops::ControlFlow;
+
 use nalgebra::DVector;
 
 use super::linear::Linear;
 use super::system::SparseSystem;
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension};
-use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
+use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, go_on, on_branch};
 use crate::mechanism::{Drive, DrivePath, DrivenMotion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
@@ -40,7 +42,10 @@ impl SparseSystem<'_> {
     /// [`Error::NotReached`]: the system is then as near as it came.
     pub fn close(&mut self, held: &[usize], max_iterations: usize) -> Result<usize, Error> {
         let held = self.held(held.iter().copied());
-        self.correct(&held, max_iterations, &mut None).map(|(iterations, _)| iterations)
+        let mut system = self.clone().with_held(&held);
+        let closed = system.correct(&held, max_iterations, &mut None);
+        *self = system;
+        closed.map(|(iterations, _)| iterations)
     }
 
     /// Closes all joints; returns the steps done and the largest displacement of a coordinate.
@@ -209,7 +214,7 @@ impl SparseSystem<'_> {
         count: usize,
     ) -> Result<DrivenMotion, Error> {
         let path = DrivePath::line(&self.coordinates, drives)?;
-        self.drive_along(&path, held, count, &mut |_| {})
+        self.drive_along(&path, held, count, &mut |_| ControlFlow::Continue(()))
     }
 
     /// Drives coordinates along a path, as [`crate::mechanism::drive_along`] does.
@@ -217,18 +222,19 @@ impl SparseSystem<'_> {
     /// # Arguments
     /// * `held` – indices of other coordinates that keep their values
     /// * `count` – number of steps to report; the drives are straight within each
-    /// * `progress` – called with the number of steps done after each
+    /// * `progress` – called again and again, with the number of reported steps that are done; ends the motion by [`ControlFlow::Break`]
     ///
     /// # Errors
-    /// Those of [`Self::drive`].
+    /// [`Error::Interrupted`]; those of [`Self::drive`].
     pub fn drive_along(
         mut self,
         path: &DrivePath,
         held: &[usize],
         count: usize,
-        progress: &mut dyn FnMut(usize),
+        progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<DrivenMotion, Error> {
         let held = self.held(path.coordinates().iter().chain(held).copied());
+        self = self.with_held(&held);
         let mut former = None;
         self.correct(&held, MAX_CORRECTIONS, &mut former)?;
         let mut here = self.linear(&held, 0.0, None)?;
@@ -263,7 +269,7 @@ impl SparseSystem<'_> {
                 motion.stopped = Some(if dead { Stop::Locked } else { Stop::Incompatible });
                 break;
             }
-            progress(k);
+            go_on(progress(k))?;
         }
         Ok(motion)
     }

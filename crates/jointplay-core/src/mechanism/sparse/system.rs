@@ -7,10 +7,11 @@ use nalgebra::{DVector, Rotation3, Translation3, Vector3, Vector6};
 use super::coupling::{SparseCoupling, sparse_couplings};
 use super::linear::{JointRows, Linear, Pattern};
 use crate::Error;
+use crate::mechanism::ball::cayley;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::description::Mechanism;
 use crate::mechanism::joint::Twist;
-use crate::mechanism::kinematics::{Kinematics, cayley, check_coordinates, skew_part};
+use crate::mechanism::kinematics::{Kinematics, check_coordinates, skew_part};
 use crate::mechanism::tree::{Branch, link_poses, short_loop_tree};
 use crate::spatial::Pose;
 
@@ -89,6 +90,13 @@ impl<'a> SparseSystem<'a> {
             displacements,
             screws,
         })
+    }
+
+    /// The same system, in which balls with held coordinates change by their rotation vectors, so that these coordinates keep their values.
+    pub(super) fn with_held(self, held: &[bool]) -> Self {
+        let kinematics = Kinematics::clone(&self.kinematics).commanding(|k| !held[k]);
+        let (displacements, screws) = joints_at(&kinematics, &self.coordinates);
+        Self { kinematics: Arc::new(kinematics), displacements, screws, ..self }
     }
 
     /// Tree, loops and poses.
@@ -293,7 +301,7 @@ fn joints_at(kinematics: &Kinematics<'_>, coordinates: &DVector<f64>) -> (Vec<Po
     let displacements = joints.map(|(j, joint)| {
         let (first, point) = (Pose::identity(), joint.frames[0].translation.vector);
         kinematics.through_elements(j, first, coordinates, &zero, |element, before, after| {
-            element.screws(before, after, &zero, &point, &mut screws);
+            element.screws(before, after, [coordinates, &zero], &point, &mut screws);
         })
     });
     (displacements.collect(), screws)
