@@ -18,6 +18,7 @@ use jointplay_format::cell;
 use jointplay_interop::export::dialect::{DIALECTS, Dialect};
 use jointplay_interop::export::{
     Frame, MACRO, MotionExport, ViolationNote, frames, gltf, gltf_within, samples, solidworks,
+    solidworks_names,
 };
 use jointplay_report::table::Values;
 use nalgebra::SVector;
@@ -530,6 +531,19 @@ fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
         // A quotation mark within a string of Visual Basic is written twice.
         assert!(motion_export.violation_notes.is_empty() || macro_text.1.contains("\"\"slips\"\""));
     });
+}
+
+#[test]
+fn motors_of_like_names_have_files_of_their_own() {
+    let mut cell = cell::read(cell::EXAMPLE, &mut |_| Err(String::new())).unwrap();
+    let plain = solidworks_names(&cell);
+    for (axis, name) in [(3, "play_u1"), (4, "PLAY-U1")] {
+        cell.robot.axes[axis].name = name.to_owned();
+    }
+    let names = solidworks_names(&cell);
+    let different: std::collections::BTreeSet<String> =
+        names.iter().map(|name| name.to_ascii_lowercase()).collect();
+    assert_eq!((names.len(), different.len()), (plain.len(), plain.len()), "{names:?}");
 }
 
 /// Motors of the play follow the poses of the platform, and no curve deviates from its samples by more than the tolerance.

@@ -1,6 +1,7 @@
 //! A motion for SolidWorks: time and value for each motor, and a macro that loads them.
 
 use std::cell::Cell as Slot;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use jointplay_cell::CellError;
@@ -190,8 +191,15 @@ pub fn solidworks_names(cell: &Cell) -> Vec<String> {
 
 /// Names of the motors' files, and of the macro.
 fn names(cell: &Cell, mark: &str) -> Vec<String> {
-    let motor = |curve: Curve| format!("{mark}motor-{}.csv", file_name(&curve.name));
-    let motors = curves(cell).into_iter().map(motor);
+    let mut taken = BTreeSet::new();
+    let motors = curves(cell).into_iter().map(|curve| {
+        // An axis can have the name of a virtual joint, and names can differ by letters that files do not have.
+        let mut name = file_name(&curve.name);
+        while !taken.insert(name.to_ascii_lowercase()) {
+            name.push('_');
+        }
+        format!("{mark}motor-{name}.csv")
+    });
     motors.chain(std::iter::once(format!("{mark}{MACRO}"))).collect()
 }
 

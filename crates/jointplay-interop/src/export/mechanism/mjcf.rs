@@ -17,6 +17,8 @@ const TIME_STEP: f64 = 1e-3;
 const CLOSURE_TIME: f64 = 2.0 * TIME_STEP;
 /// Impedance of closures, the largest that MuJoCo has: the closer to 1, the less a closure yields.
 const IMPEDANCE: f64 = 0.9999;
+/// Length by which angles of closures are weighed (m): MuJoCo has no resistance for it, so that closures yield by angles in proportion to its inverse square; from mechanisms of micrometres to those of kilometres, less than 1e-10 rad to springs.
+const TORQUE_SCALE: f64 = 100.0;
 /// Angular frequency at which a body oscillates on the stiffest spring; with it closures yield less than a nanometre to springs (rad/s).
 const FREQUENCY: f64 = 100.0;
 /// Ratio of the gain of an actuator to the stiffest spring.
@@ -327,7 +329,7 @@ impl<'s, 'a> Writer<'s, 'a> {
                 attributes.push(("anchor", vector(&closure.frames[0].translation.vector)));
             } else {
                 attributes.push(("anchor", vector(&closure.frames[1].translation.vector)));
-                attributes.push(("torquescale", number(self.scale.length)));
+                attributes.push(("torquescale", number(TORQUE_SCALE)));
             }
             attributes.extend(stiff());
             self.xml.empty(if closure.is_ball { "connect" } else { "weld" }, &attributes);
