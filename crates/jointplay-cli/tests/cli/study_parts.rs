@@ -159,6 +159,9 @@ fn a_folder_takes_one_study() {
     );
     fails(&sandbox, "study --parts run --gather t.xlsx", 2, "ends in .csv or .parquet");
     fails(&sandbox, "study --parts none --status", 2, "has no study.json");
+    // Not another study into a folder whose name is misspelt.
+    fails(&sandbox, "study --parts none", 2, "has no study.json");
+    assert!(!sandbox.path().join("none").exists());
     fails(&sandbox, "study --parts run --part 2/2", 2, "a share is K/N");
     fails(&sandbox, "study --parts run --part 1", 2, "a share is K/N");
     fails(&sandbox, "study --parts run --out t.csv", 2, "cannot be used with");
