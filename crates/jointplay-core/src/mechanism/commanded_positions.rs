@@ -189,8 +189,8 @@ impl CommandedPositions {
         let commanded = self.kinematics.commanded();
         let is_near = |(&k, value): (&usize, &f64)| {
             let unit = self.kinematics.unit_of(k);
-            // Indices of other vectors, and values that are not numbers, are errors of the solution.
-            coordinates.get(k).is_none_or(|here| !((value - here).abs() > FIRST_STEP * unit))
+            // Lengths that are not those of the mechanism are errors of the solution.
+            coordinates.get(k).is_none_or(|here| (value - here).abs() <= FIRST_STEP * unit)
         };
         if commanded.iter().zip(values).all(is_near) {
             self.solve(mechanism, values, coordinates, solver)
