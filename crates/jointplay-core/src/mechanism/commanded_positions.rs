@@ -15,6 +15,8 @@ use crate::constraint::{System as _, units};
 
 /// First step toward values far away, and distance of values that are near, in radians and characteristic lengths.
 const FIRST_STEP: f64 = 0.1;
+/// Distance up to which the next values are followed, which takes a thousand steps, in radians and characteristic lengths.
+const FARTHEST: f64 = 100.0;
 /// Longest step where motions of links are undetermined, so that there is no tangent to follow.
 pub(super) const STEP_WITHOUT_TANGENT: f64 = 0.05;
 
@@ -178,7 +180,7 @@ impl CommandedPositions {
     /// Those of [`follow`](Self::follow).
     ///
     /// # Numerics
-    /// Values are near if each differs by 0.1 rad or characteristic lengths at most.
+    /// Values are near if each differs by 0.1 rad or characteristic lengths at most, and not followed beyond 100 of them.
     pub fn solve_next(
         &mut self,
         mechanism: &Mechanism,
@@ -186,16 +188,19 @@ impl CommandedPositions {
         coordinates: &mut DVector<f64>,
         solver: ReliefSolver,
     ) -> Result<f64, Error> {
-        let commanded = self.kinematics.commanded();
-        let is_near = |(&k, value): (&usize, &f64)| {
-            let unit = self.kinematics.unit_of(k);
+        let distance = |(&k, value): (&usize, &f64)| {
             // Lengths that are not those of the mechanism are errors of the solution.
-            coordinates.get(k).is_none_or(|here| (value - here).abs() <= FIRST_STEP * unit)
+            let by = coordinates.get(k).map_or(0.0, |here| (value - here).abs());
+            by / self.kinematics.unit_of(k)
         };
-        if commanded.iter().zip(values).all(is_near) {
+        let farthest =
+            self.kinematics.commanded().iter().zip(values).map(distance).fold(0.0, f64::max);
+        if farthest <= FIRST_STEP || !farthest.is_finite() {
             self.solve(mechanism, values, coordinates, solver)
-        } else {
+        } else if farthest <= FARTHEST || self.undetermined.is_some() {
             self.follow(mechanism, values, coordinates, solver)
+        } else {
+            Err(Error::NotFollowed { share: 0.0 })
         }
     }
 
