@@ -12,7 +12,6 @@ use jointplay::mechanism::{
 };
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::report;
-use jointplay::sensitivity::commanded_sensitivity;
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions};
 use serde::{Deserialize, Serialize};
@@ -232,9 +231,7 @@ pub(crate) fn of_mechanism(
             let commands = commands(&command)?;
             let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
             let relief = relieve_commanded(mechanism, &commands, None)?;
-            let system = relief.system(mechanism)?;
-            let (at, length) = (system.at_home(), relief.characteristic_length);
-            let found = commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
+            let found = relief.sensitivity(mechanism, &commanded)?;
             let values = found.singular_values().as_slice();
             document(&report::relief(file, &relief, &commanded, values))
         }

@@ -24,6 +24,25 @@ fn relieved(mechanism: &Mechanism, coordinates: &[usize], values: &[f64]) -> Rel
     relieve(&system, &commanded, ReliefSolver::LeastNorm).unwrap()
 }
 
+/// Of a ball that is commanded in part, the sensitivity is that to its rotation vector: differences of displacements, at any tilt.
+#[test]
+fn the_sensitivity_to_a_ball_is_that_to_its_rotation_vector() {
+    let mechanism = gpr(radial);
+    let step = 1e-4;
+    for [x, y] in [[0.0, 0.01], [0.14, 0.17], [-0.3, 0.2]] {
+        let at = |x: f64, y: f64| relieved(&mechanism, &[1, 2], &[x, y]);
+        let here = at(x, y);
+        let found = here.sensitivity(&mechanism, &[1, 2]).unwrap();
+        let pairs = [[at(x - step, y), at(x + step, y)], [at(x, y - step), at(x, y + step)]];
+        for (k, [before, after]) in pairs.iter().enumerate() {
+            let change = (&after.virtual_joints - &before.virtual_joints) / (2.0 * step);
+            let expected = change / here.characteristic_length;
+            let off = (found.matrix.column(k) - expected).norm();
+            assert!(off < 1e-7, "{x} {y} {k}: {off:e}");
+        }
+    }
+}
+
 /// A tilt commanded by a ball joint leaves the heave free: rods go ±R sin α about where they were, and not metres away.
 #[test]
 fn a_tilt_commanded_by_a_ball_joint_takes_the_least_motion() {

@@ -8,7 +8,6 @@ use jointplay::mechanism::{
 use jointplay::mobility::{RANK_THRESHOLD, near_mobility};
 use jointplay::nalgebra::DVector;
 use jointplay::report;
-use jointplay::sensitivity::commanded_sensitivity;
 use jointplay::study::parallel;
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
@@ -247,10 +246,7 @@ impl PyMechanism {
         let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         let found = py.detach(|| {
             let relief = this.relieved(&commands)?;
-            let system = relief.system(&this.file.mechanism)?;
-            let (at, length) = (system.at_home(), relief.characteristic_length);
-            let sensitivity =
-                commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
+            let sensitivity = relief.sensitivity(&this.file.mechanism, &commanded)?;
             Ok((relief, sensitivity))
         });
         let (relief, sensitivity) = found.map_err(|error| errors::core(py, &error))?;

@@ -3,9 +3,7 @@
 use std::fmt::Write as _;
 
 use jointplay::format::display_units::DisplayUnits;
-use jointplay::mobility::RANK_THRESHOLD;
 use jointplay::report::{self, ReliefReport};
-use jointplay::sensitivity::commanded_sensitivity;
 
 use crate::arguments::AnswerArgs;
 use crate::failure::Failure;
@@ -32,10 +30,8 @@ pub(super) fn run(
     let commands = input.commands(command)?;
     let working = Progress::of_work("sensitivity");
     let relief = input.relieved(&commands)?;
-    let system = relief.system(&input.file.mechanism)?;
     let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-    let (at, length) = (system.at_home(), relief.characteristic_length);
-    let sensitivity = commanded_sensitivity(&system, &at, &commanded, length, RANK_THRESHOLD)?;
+    let sensitivity = relief.sensitivity(&input.file.mechanism, &commanded)?;
     let values = sensitivity.singular_values().as_slice();
     let report = report::relief(&input.file, &relief, &commanded, values);
     drop(working);

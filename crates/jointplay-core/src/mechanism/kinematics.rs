@@ -156,9 +156,8 @@ impl<'a> Kinematics<'a> {
         &self.cuts
     }
 
-    /// The same kinematics, in which balls with commanded coordinates change by their rotation vectors, so that these coordinates keep the values of their commands.
-    #[must_use]
-    pub(super) fn commanding(mut self, is_free: impl Fn(usize) -> bool) -> Self {
+    /// From here on, balls with commanded coordinates change by their rotation vectors, so that these coordinates keep the values of their commands.
+    pub(super) fn command(&mut self, is_free: impl Fn(usize) -> bool) {
         for element in self.chains.iter_mut().flat_map(|chain| &mut chain.elements) {
             let k = element.coordinate;
             if element.factor == Factor::Ball {
@@ -166,11 +165,10 @@ impl<'a> Kinematics<'a> {
                 element.change = if is_commanded { BallChange::Added } else { BallChange::Turned };
             }
         }
-        self
     }
 
     /// How displacements change each ball, and the first of its coordinates.
-    fn balls(&self) -> impl Iterator<Item = (BallChange, usize)> + '_ {
+    pub(super) fn balls(&self) -> impl Iterator<Item = (BallChange, usize)> + '_ {
         let elements = self.chains.iter().flat_map(|chain| &chain.elements);
         let balls = elements.filter(|element| element.factor == Factor::Ball);
         balls.map(|element| (element.change, element.coordinate))

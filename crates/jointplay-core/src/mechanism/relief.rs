@@ -12,7 +12,8 @@ use crate::constraint::{
     CLOSURE_TOLERANCE, Dimension, System, scaled_jacobian, scaled_residual, units,
 };
 use crate::linalg::{Svd, svd};
-use crate::mobility::{ForcedClosure, finite_mobility};
+use crate::mobility::{ForcedClosure, RANK_THRESHOLD, finite_mobility};
+use crate::sensitivity::{Sensitivity, commanded_sensitivity};
 
 /// Singular values up to this share of the largest are not used to relieve anything.
 const RELIEF_THRESHOLD: f64 = 1e-9;
@@ -77,6 +78,24 @@ impl Relief {
     pub fn system<'m>(&self, mechanism: &'m Mechanism) -> Result<MechanismSystem<'m>, Error> {
         MechanismSystem::new(mechanism, self.coordinates.clone())?
             .with_characteristic_length(self.characteristic_length)
+    }
+
+    /// The sensitivity of the virtual joints to the commanded coordinates; of a ball, to those of its rotation vector.
+    ///
+    /// # Arguments
+    /// * `commanded` – indices of the commanded joint coordinates
+    ///
+    /// # Errors
+    /// Those of [`MechanismSystem::new`] and [`commanded_sensitivity`].
+    pub fn sensitivity(
+        &self,
+        mechanism: &Mechanism,
+        commanded: &[usize],
+    ) -> Result<Sensitivity, Error> {
+        let system = self.system(mechanism)?;
+        let system = system.with_free(&passive(mechanism.joint_freedoms(), commanded));
+        let (at, length) = (system.at_home(), self.characteristic_length);
+        commanded_sensitivity(&system, &at, commanded, length, RANK_THRESHOLD)
     }
 }
 

@@ -100,9 +100,9 @@ impl<'a> MechanismSystem<'a> {
     ///
     /// # Arguments
     /// * `free` – indices of the coordinates that are not commanded
-    pub(super) fn with_free(self, free: &[usize]) -> Self {
-        let kinematics = self.kinematics.commanding(|k| free.contains(&k));
-        Self { kinematics, ..self }
+    pub(super) fn with_free(mut self, free: &[usize]) -> Self {
+        self.kinematics.command(|k| free.contains(&k));
+        self
     }
 
     /// Whether a mechanism is small enough for the dense algebra of a system; larger ones are for [`super::SparseSystem`].

@@ -42,10 +42,8 @@ impl SparseSystem<'_> {
     /// [`Error::NotReached`]: the system is then as near as it came.
     pub fn close(&mut self, held: &[usize], max_iterations: usize) -> Result<usize, Error> {
         let held = self.held(held.iter().copied());
-        let mut system = self.clone().with_held(&held);
-        let closed = system.correct(&held, max_iterations, &mut None);
-        *self = system;
-        closed.map(|(iterations, _)| iterations)
+        self.hold(&held);
+        self.correct(&held, max_iterations, &mut None).map(|(iterations, _)| iterations)
     }
 
     /// Closes all joints; returns the steps done and the largest displacement of a coordinate.
@@ -234,7 +232,7 @@ impl SparseSystem<'_> {
         progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<DrivenMotion, Error> {
         let held = self.held(path.coordinates().iter().chain(held).copied());
-        self = self.with_held(&held);
+        self.hold(&held);
         let mut former = None;
         self.correct(&held, MAX_CORRECTIONS, &mut former)?;
         let mut here = self.linear(&held, 0.0, None)?;

@@ -92,11 +92,12 @@ impl<'a> SparseSystem<'a> {
         })
     }
 
-    /// The same system, in which balls with held coordinates change by their rotation vectors, so that these coordinates keep their values.
-    pub(super) fn with_held(self, held: &[bool]) -> Self {
-        let kinematics = Kinematics::clone(&self.kinematics).commanding(|k| !held[k]);
-        let (displacements, screws) = joints_at(&kinematics, &self.coordinates);
-        Self { kinematics: Arc::new(kinematics), displacements, screws, ..self }
+    /// From here on, balls with held coordinates change by their rotation vectors, so that these coordinates keep their values.
+    pub(super) fn hold(&mut self, held: &[bool]) {
+        if self.kinematics.balls().next().is_some() {
+            Arc::make_mut(&mut self.kinematics).command(|k| !held[k]);
+            (self.displacements, self.screws) = joints_at(&self.kinematics, &self.coordinates);
+        }
     }
 
     /// Tree, loops and poses.
