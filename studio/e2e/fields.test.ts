@@ -58,6 +58,32 @@ test('station angles accept commas, expressions and units', async () => {
   }
 });
 
+test('a value that arrives while another is being typed does not replace it', async () => {
+  const fixture = await cellFixture();
+  try {
+    const page = await visit(fixture.browser, { viewport: { width: 1440, height: 900 } });
+    await load(page, fixture.server.address);
+    await waitForCheck(page, 'passed');
+    await page.locator('details summary', { hasText: 'LP1' }).first().click();
+    let send: () => void = () => undefined;
+    const typed = new Promise<void>((resolve) => (send = resolve));
+    await page.route('**/cell/station', async (route) => {
+      await typed;
+      await route.continue();
+    });
+    await enter(page, 'station-LP1-tilt', '0,2');
+    await page.getByTestId('station-LP1-tilt').fill('0.7');
+    send();
+    await page.locator('details summary', { hasText: 'tilt 0.200°' }).waitFor();
+    expect(await value(page, 'station-LP1-tilt')).toBe('0.7');
+    await page.getByTestId('station-LP1-tilt').press('Escape');
+    expect(await value(page, 'station-LP1-tilt')).toBe('0.2');
+    await waitForCheck(page, 'passed');
+  } finally {
+    await fixture.close();
+  }
+});
+
 test('parameters and joints of a mechanism accept commas, expressions and units', async () => {
   const page = await visit(browser, { viewport: { width: 1440, height: 900 } });
   await load(page, server.address);

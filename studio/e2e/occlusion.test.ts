@@ -2,7 +2,7 @@
 
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { browse, complaints, drawn, frames, load, serve, unhandled, until, visit, type Server } from './studio';
+import { browse, complaints, drawn, frames, load, serve, unhandled, until, visit, waitForCheck, type Server } from './studio';
 
 /** Averages over blocks of this edge are compared: edges are smooth at rest only. */
 const BLOCK = 4;
@@ -113,6 +113,8 @@ test('a wall that is seen at a small angle does not shade itself in stripes', as
   const page = await visit(browser, { viewport: { width: 1440, height: 900 }, deviceScaleFactor: 2 });
   const heard = complaints(page);
   await load(page, cell.address);
+  // The panels around the view are those of the plan from here on.
+  await waitForCheck(page, 'passed');
   await until('the cell is drawn', () => page.evaluate(() => window.jointplay.probe.cellFrames > 0));
   await until('a still picture', async () => (await resolution(page)) > 1.5);
   await page.locator('body').press('2');
