@@ -83,6 +83,8 @@ def test_compare(gpr, ask):
     some = gpr.compare([0.01, 0.02], virtualizations=["radial", Slides()])
     radial, mine = some.models["radial"], some.models["slides"]
     np.testing.assert_allclose(mine.center_shift_m, radial.center_shift_m, atol=1e-14)
+    with pytest.raises(jp.InputError, match='two virtualizations are named "slides": give each another name'):
+        gpr.compare([0.01], virtualizations=[Slides(), "polar", Slides()])
     far = gpr.compare([0.01, 1.3], virtualizations=["offset"], solver="least-norm").models["offset"]
     assert "did not converge" in far.failure
     assert np.isfinite(far.center_shift_m[0]).all() and np.isnan(far.center_shift_m[1]).all()

@@ -299,7 +299,7 @@ pub unsafe extern "C" fn jp_mechanism_home(
 /// All coordinates (m, rad) with the loops closed, for values of all drives (m, rad); virtual joints take their least displacement.
 ///
 /// `positions` holds a configuration nearby, such as that of `jp_mechanism_home` or of the call before, and takes the result.
-/// It is unchanged after an error; configurations beyond joint limits or clearances are `JP_NO_ANSWER`.
+/// It is unchanged after an error; configurations beyond joint limits or clearances, or more than 100 rad or characteristic lengths away, are `JP_NO_ANSWER`.
 ///
 /// # Safety
 /// `mechanism` is NULL or a mechanism; `drives` is NULL or has a number for each drive; `positions` is NULL or has all coordinates.

@@ -5,8 +5,8 @@ use crate::families;
 use crate::robot;
 
 use jointplay_core::mechanism::{
-    Joint, JointKind, Mechanism, MechanismMobility, MechanismSystem, OpenLoops, SparseMobility,
-    SparseSystem, assemble, blocks, guess, mechanism_mobility,
+    Joint, JointKind, Mechanism, MechanismError, MechanismMobility, MechanismSystem, OpenLoops,
+    SparseMobility, SparseSystem, assemble, blocks, guess, mechanism_mobility,
 };
 use jointplay_core::mobility::RANK_THRESHOLD;
 use jointplay_core::nalgebra::DVector;
@@ -215,13 +215,23 @@ fn four_bars_near_their_stretched_position() {
 }
 
 #[test]
-fn a_small_characteristic_length_decides_alike() {
-    for length in [1e-4, 1e-2, 1.0, 1e3] {
-        let mut bars = Drawing::on("ground");
-        bars.chain("bar", &[[0.0, 0.0], [0.05, 0.1], [0.25, 0.15], [0.2, 0.0]]);
-        let bars = bars.mechanism().with_characteristic_length(length).unwrap();
+fn any_permitted_characteristic_length_decides_alike() {
+    let mut bars = Drawing::on("ground");
+    bars.chain("bar", &[[0.0, 0.0], [0.05, 0.1], [0.25, 0.15], [0.2, 0.0]]);
+    let bars = bars.mechanism();
+    // The joints of a link are 0.056 to 0.1 m from its middle.
+    for length in [1e-5, 1e-4, 1e-2, 1.0, 500.0] {
+        let bars = bars.clone().with_characteristic_length(length).unwrap();
         let found = analysed(&bars).finite;
         assert_eq!((found.instantaneous.mobility, found.mobility), (1, Some(1)), "{length}");
+    }
+    for length in [1e-300, 5e-6, 2e3, 1e11, f64::MAX] {
+        let refused = bars.clone().with_characteristic_length(length).unwrap_err();
+        let MechanismError::CharacteristicLength { found, min, max } = refused else {
+            panic!("{refused}")
+        };
+        assert_eq!(found, length);
+        assert!(5e-6 < min && min < 1e-5 && 500.0 < max && max < 2e3, "{min} {max}");
     }
 }
 

@@ -505,6 +505,28 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
     check("SDF", &twice, &at, &sdf(&twice, &at).unwrap());
 }
 
+/// SDF separates the names of nested models by `::`, and has `__…__` for its own.
+#[test]
+fn names_that_sdf_reserves_are_replaced() {
+    let text = "kind = \"mechanism\"\nname = \"cell::arm\"\nunits = { length = \"mm\", angle = \"deg\" }\nbase = \"__root__\"\n\
+        [[joint]]\nname = \"cell::J1\"\nkind = \"revolute\"\nlinks = [\"__root__\", \"arm::upper\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nactuated = true\n\
+        [[joint]]\nname = \"cell/J1\"\nkind = \"prismatic\"\nlinks = [\"arm::upper\", \"____\"]\npoint = [100, 0, 0]\naxis = [0, 0, 1]\n";
+    let mechanism =
+        mechanism::parse(text).map_err(|error| error.with_excerpt("names")).unwrap().mechanism;
+    let at = guess(&mechanism);
+    let written = sdf(&mechanism, &at).unwrap();
+    // Names of plugins are those of Gazebo.
+    let of_model = written.text.lines().filter(|line| !line.contains("<plugin"));
+    assert!(!of_model.clone().any(|line| line.contains("::") || line.contains("__")));
+    let found = read(&written);
+    assert_eq!(found.name(), "cell/arm");
+    assert_eq!(found.links()[1..], ["root", "arm/upper", "link"]);
+    let joints: Vec<&str> = found.joints().iter().map(|joint| joint.name.as_str()).collect();
+    assert!(joints.ends_with(&["cell/J1 (2)", "cell/J1"]), "{joints:?}");
+    let of_names = |lost: &&String| lost.contains("SDF reserves its name");
+    assert_eq!(written.lost.iter().filter(of_names).count(), 5, "{:?}", written.lost);
+}
+
 /// Wheels A, B and C on parallel axes.
 fn wheels(actuated: [bool; 3], couplings: &[(&str, &str, &str, f64, f64)]) -> Mechanism {
     let mut text = "kind = \"mechanism\"\nname = \"gears\"\nunits = { length = \"mm\", angle = \"rad\" }\nbase = \"frame\"\n".to_owned();

@@ -1,5 +1,7 @@
 //! Analyses of the three-rod robot.
 
+use std::collections::BTreeSet;
+
 use jointplay::gpr::AxisHeight;
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::sensitivity::sensitivity;
@@ -135,7 +137,7 @@ impl PyGpr {
     /// height_m : float, optional
     ///     Axis height (m); default: the working height.
     /// virtualizations : sequence of str or Virtualization, optional
-    ///     Which; default: all of the library.
+    ///     Which, each with a name of its own; default: all of the library.
     /// solver, metric
     ///     Those of `forward`.
     #[pyo3(signature = (tilt_rad, azimuth_rad=0.0, height_m=None, *, virtualizations=None, solver=None, metric=None))]
@@ -165,6 +167,11 @@ impl PyGpr {
         } else {
             models.iter().map(|model| model.virtualization() as &dyn Virtualization).collect()
         };
+        let mut names = BTreeSet::new();
+        if let Some(twice) = chosen.iter().find(|one| !names.insert(one.name())) {
+            let message = format!("two virtualizations are named {:?}", twice.name());
+            return Err(errors::input(py, &format!("{message}: give each another name")));
+        }
         let height = axis_height(height_m, gpr);
         let found = compare(gpr, &chosen, azimuth_rad, &tilt_angles, height, &options);
         if let Some(raised) = models.iter().find_map(Model::raised) {

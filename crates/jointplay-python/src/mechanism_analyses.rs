@@ -277,7 +277,7 @@ impl PyMechanism {
     ///
     /// Notes
     /// -----
-    /// The first row starts from the closed configuration nearest the guesses of the file, every other from the one before it that closed, on the branch of the motion from there; rows whose neighbours are near take the least time.
+    /// The first row starts from the closed configuration nearest the guesses of the file, every other from the one before it that closed, on the branch of the motion from there, at most 100 rad or characteristic lengths away; rows whose neighbours are near take the least time.
     /// Independent rows, as of a workspace map or of random samples, have to be near the first one instead: rows that Newton's method does not close from there have the status `NOT_CONVERGED`, and rows far from it may end on another branch, which their status does not show.
     #[pyo3(signature = (commanded, *, solver="least-norm", check_limits=true, independent=false, threads=None))]
     fn positions<'py>(

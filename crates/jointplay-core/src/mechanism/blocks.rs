@@ -70,9 +70,7 @@ impl Block {
             .and_then(|block| block.with_virtual_joints(virtual_joints))
             .and_then(|block| block.with_couplings(couplings))
             .expect(valid);
-        if let Some(length) = whole.characteristic_length() {
-            block = block.with_characteristic_length(length).expect(valid);
-        }
+        block.characteristic_length = whole.characteristic_length();
         (block, links)
     }
 

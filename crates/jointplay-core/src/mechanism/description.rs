@@ -11,6 +11,9 @@ use crate::spatial::Pose;
 /// Most links of a mechanism, so that an erroneous file is refused instead of computed for hours.
 pub const MAX_LINKS: usize = 10_000;
 
+/// Largest ratio of a characteristic length to the distances of the joints, and of them to it: beyond, the weight of angles or of lengths is that of rounding errors.
+const MAX_LENGTH_RATIO: f64 = 1e4;
+
 /// Free travel or stiffness of a joint in the directions that it should hold still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinearAndAngular {
@@ -98,7 +101,7 @@ pub struct Mechanism {
     virtual_joints: Vec<VirtualJoint>,
     pub(super) couplings: Vec<Coupling>,
     pub(super) frames: Vec<AttachedFrame>,
-    characteristic_length: Option<f64>,
+    pub(super) characteristic_length: Option<f64>,
 }
 
 impl Mechanism {
@@ -173,9 +176,14 @@ impl Mechanism {
     /// The same mechanism with this characteristic length, by which angles are weighed against lengths (m).
     ///
     /// # Errors
-    /// [`MechanismError::NotPositive`].
+    /// [`MechanismError::NotPositive`]; [`MechanismError::CharacteristicLength`] for one that is more than 10 000 times as long, or as short, as the joints of a link are apart.
     pub fn with_characteristic_length(mut self, length: f64) -> Result<Self, MechanismError> {
         positive("the characteristic length", &self.name, Some(length))?;
+        let spread = self.joint_spread(&self.joint_middles());
+        let [min, max] = [spread / MAX_LENGTH_RATIO, spread * MAX_LENGTH_RATIO];
+        if !(min..=max).contains(&length) {
+            return Err(MechanismError::CharacteristicLength { found: length, min, max });
+        }
         self.characteristic_length = Some(length);
         Ok(self)
     }
@@ -208,6 +216,34 @@ impl Mechanism {
     #[must_use]
     pub fn characteristic_length(&self) -> Option<f64> {
         self.characteristic_length
+    }
+
+    /// Middle of the joints of each link, in its own frame (m).
+    pub(super) fn joint_middles(&self) -> Vec<Vector3<f64>> {
+        let mut sums = vec![(Vector3::zeros(), 0.0); self.links.len()];
+        for joint in &self.joints {
+            for side in 0..2 {
+                let (sum, count) = &mut sums[joint.links[side]];
+                *sum += joint.frames[side].translation.vector;
+                *count += 1.0;
+            }
+        }
+        sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { sum }).collect()
+    }
+
+    /// Root mean square distance of the joints from the middles of their links; 1 m where all are in one point.
+    pub(super) fn joint_spread(&self, middles: &[Vector3<f64>]) -> f64 {
+        let (mut sum, mut count, mut largest) = (0.0, 0.0, 0.0_f64);
+        for joint in &self.joints {
+            for side in 0..2 {
+                let point = joint.frames[side].translation.vector;
+                sum += (point - middles[joint.links[side]]).norm_squared();
+                count += 1.0;
+                largest = largest.max(point.amax());
+            }
+        }
+        let spread = f64::sqrt(sum / count);
+        if spread > 1e-12 * largest { spread } else { 1.0 }
     }
 
     /// Index of a joint by its name.

@@ -69,6 +69,18 @@ pub enum MechanismError {
         /// What was found.
         value: f64,
     },
+    /// A characteristic length so long or so short that angles or lengths would have the weight of rounding errors.
+    #[error(
+        "the characteristic length is {found:e} m, but has to lie from {min:.1e} to {max:.1e} m for joints as far apart as these"
+    )]
+    CharacteristicLength {
+        /// What was found (m).
+        found: f64,
+        /// Least allowed value (m).
+        min: f64,
+        /// Greatest allowed value (m).
+        max: f64,
+    },
     /// A list with too few or too many numbers.
     #[error(
         "{what} of {name:?} has {found} entries, but {expected} are needed, one for each freedom"

@@ -228,7 +228,10 @@ impl<'a> MechanismSystem<'a> {
             let frame = placed.links[joint.links[1]] * joint.frames[1];
             let point = frame.translation.vector;
             let missed = mismatch.rotation * point + mismatch.translation.vector;
-            LoopGap { distance: (missed - point).norm(), angle: mismatch.rotation.angle() }
+            LoopGap {
+                distance: (missed - point).norm(),
+                angle: rotation_vector(&mismatch.rotation).norm(),
+            }
         };
         joints.zip(&placed.mismatches).map(gap).collect()
     }

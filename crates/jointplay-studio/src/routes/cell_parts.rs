@@ -97,6 +97,11 @@ pub(crate) async fn overview(
 ) -> Result<Response, Problem> {
     let plan = state.session()?.kept_plan(&plan).ok_or_else(unknown_key)?;
     let count = plan.timeline.as_ref().map_or(0, |timeline| timeline.windows.len());
+    if windows.len() > count {
+        let asked = windows.len();
+        let detail = format!("{asked} windows are given, but the plan has {count}");
+        return Err(Problem::field("windows", detail));
+    }
     if let Some(place) = windows.iter().position(|&window| window >= count) {
         let detail = format!("unknown window {}; the plan has {count} windows", windows[place]);
         return Err(Problem::field(format!("windows[{place}]"), detail));

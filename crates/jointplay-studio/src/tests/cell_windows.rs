@@ -171,6 +171,8 @@ fn a_long_plan_is_small_and_its_lists_are_paged() {
     assert_eq!((&described, numbers.len()), (&json!({ "windows": 2, "axes": 6 }), 2 * 6 * 7));
     let asked = json!({ "plan": found["key"], "windows": [windows] });
     assert_eq!(ask(&server, Method::POST, "cell/overview", &asked).json()["field"], "windows[0]");
+    let asked = json!({ "plan": found["key"], "windows": vec![0; windows + 1] });
+    assert_eq!(ask(&server, Method::POST, "cell/overview", &asked).json()["field"], "windows");
 }
 
 #[test]

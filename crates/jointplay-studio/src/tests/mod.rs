@@ -144,7 +144,8 @@ fn the_robot_document_is_served() {
 fn the_description_is_served() {
     let answer = get("/api/v1/openapi.json");
     assert_eq!(answer.header("content-type"), "application/json");
-    assert_eq!(answer.bytes, router::description().into_bytes());
+    // Half a megabyte is no message.
+    assert!(answer.bytes == router::description().into_bytes());
 }
 
 #[test]

@@ -215,7 +215,7 @@ pub(crate) struct WindowDocument {
 pub(crate) struct OverviewRequest {
     /// Key of the plan.
     pub(crate) plan: String,
-    /// Indices of windows, from 0.
+    /// Indices of windows, from 0; at most as many as the plan has.
     pub(crate) windows: Vec<usize>,
 }
 

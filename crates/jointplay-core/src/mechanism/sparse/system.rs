@@ -69,9 +69,9 @@ impl<'a> SparseSystem<'a> {
     pub fn new(mechanism: &'a Mechanism, coordinates: DVector<f64>) -> Result<Self, Error> {
         let kinematics = Kinematics::new(mechanism);
         check_coordinates(&coordinates, kinematics.dimensions().len())?;
-        let middles = middles(mechanism);
-        let length =
-            mechanism.characteristic_length().unwrap_or_else(|| spread(mechanism, &middles));
+        let middles = mechanism.joint_middles();
+        let spread = || mechanism.joint_spread(&middles);
+        let length = mechanism.characteristic_length().unwrap_or_else(spread);
         let couplings = sparse_couplings(&kinematics, length);
         let pattern = Arc::new(Pattern::new(&kinematics, &couplings)?);
         let (displacements, screws) = joints_at(&kinematics, &coordinates);
@@ -313,32 +313,4 @@ fn tree_poses(mechanism: &Mechanism, tree: &[Branch], displacements: &[Pose]) ->
     let joints = mechanism.joints();
     let branches = tree.iter().map(|&(j, against)| (joints[j].links, against, displacements[j]));
     link_poses(mechanism.links().len(), branches)
-}
-
-/// Middle of the joints of each link, in its own frame.
-fn middles(mechanism: &Mechanism) -> Vec<Vector3<f64>> {
-    let mut sums = vec![(Vector3::zeros(), 0.0); mechanism.links().len()];
-    for joint in mechanism.joints() {
-        for side in 0..2 {
-            let (sum, count) = &mut sums[joint.links[side]];
-            *sum += joint.frames[side].translation.vector;
-            *count += 1.0;
-        }
-    }
-    sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { sum }).collect()
-}
-
-/// Root mean square distance of joints from the middle of their link; 1 m where all are in one point.
-fn spread(mechanism: &Mechanism, middles: &[Vector3<f64>]) -> f64 {
-    let (mut sum, mut count, mut largest) = (0.0, 0.0, 0.0_f64);
-    for joint in mechanism.joints() {
-        for side in 0..2 {
-            let point = joint.frames[side].translation.vector;
-            sum += (point - middles[joint.links[side]]).norm_squared();
-            count += 1.0;
-            largest = largest.max(point.amax());
-        }
-    }
-    let spread = f64::sqrt(sum / count);
-    if spread > 1e-12 * largest { spread } else { 1.0 }
 }

@@ -15,6 +15,7 @@ mod mimics;
 mod mjcf;
 mod modelica;
 mod sdf;
+mod sdf_names;
 mod skeleton;
 mod urdf;
 pub(crate) mod xml;

@@ -8,6 +8,7 @@ use nalgebra::{DVector, Translation3, Vector3};
 use super::Written;
 use super::error::Error;
 use super::mimics::{Mimic, Mimics};
+use super::sdf_names::with_permitted_names;
 use super::skeleton::{DEFAULT_STIFFNESS, Skeleton};
 use super::xml::{Xml, number, roll_pitch_yaw, vector};
 
@@ -33,6 +34,9 @@ const WORLD: &str = "world";
 /// # Source
 /// \[SDFormat\]
 pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written, Error> {
+    let permitted = with_permitted_names(mechanism);
+    let (mechanism, renamed) =
+        permitted.as_ref().map_or((mechanism, &[][..]), |(made, renamed)| (made, renamed));
     let skeleton = Skeleton::new(mechanism, coordinates)?;
     let mimics = mimics(&skeleton)?;
     let kinematics = Kinematics::new(mechanism);
@@ -44,7 +48,7 @@ pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written,
         driven: Vec::new(),
         renamed: Vec::new(),
         fixed_to_world: None,
-        lost: skeleton.lost.iter().chain(&mimics.lost).cloned().collect(),
+        lost: renamed.iter().chain(&skeleton.lost).chain(&mimics.lost).cloned().collect(),
         mimics,
     };
     let version = if writer.mimics.all.is_empty() { VERSION } else { VERSION_WITH_MIMICS };
