@@ -14,6 +14,9 @@ pub const MAX_LINKS: usize = 10_000;
 /// Largest ratio of a characteristic length to the distances of the joints, and of them to it: beyond, the weight of angles or of lengths is that of rounding errors.
 const MAX_LENGTH_RATIO: f64 = 1e4;
 
+/// Longest characteristic length of mechanisms of any size (m): distances may be those of tolerances alone, as of joints whose axes nearly meet in one point.
+const ALWAYS_PERMITTED: f64 = 1e3;
+
 /// Free travel or stiffness of a joint in the directions that it should hold still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LinearAndAngular {
@@ -176,11 +179,12 @@ impl Mechanism {
     /// The same mechanism with this characteristic length, by which angles are weighed against lengths (m).
     ///
     /// # Errors
-    /// [`MechanismError::NotPositive`]; [`MechanismError::CharacteristicLength`] for one that is more than 10 000 times as long, or as short, as the joints of a link are apart.
+    /// [`MechanismError::NotPositive`]; [`MechanismError::CharacteristicLength`] for one that is shorter than a ten-thousandth of the distances of the joints of a link, or longer than 10 000 times these and than 1 km.
     pub fn with_characteristic_length(mut self, length: f64) -> Result<Self, MechanismError> {
         positive("the characteristic length", &self.name, Some(length))?;
         let spread = self.joint_spread(&self.joint_middles());
-        let [min, max] = [spread / MAX_LENGTH_RATIO, spread * MAX_LENGTH_RATIO];
+        let [min, max] =
+            [spread / MAX_LENGTH_RATIO, (spread * MAX_LENGTH_RATIO).max(ALWAYS_PERMITTED)];
         if !(min..=max).contains(&length) {
             return Err(MechanismError::CharacteristicLength { found: length, min, max });
         }
