@@ -235,6 +235,26 @@ fn any_permitted_characteristic_length_decides_alike() {
     }
 }
 
+/// Four axes that meet in one point, but for rounding errors: without another length, these are no size of the mechanism.
+#[test]
+fn rounding_errors_are_no_size_of_a_mechanism() {
+    let axes = [[1.0, 0.0, 0.0], [0.6, 0.3, 0.8], [0.1, 0.7, 0.6], [0.2, 0.95, -0.1]];
+    for off in [0.0, 1e-300, 1e-17, 1e-15, 1e-12] {
+        let joint = |k: usize, links| {
+            let point = [0, 1, 2].map(|i| off * f64::sin((3 * k + i) as f64));
+            robot::joint(&format!("J{k}"), JointKind::Revolute, links, point, axes[k])
+        };
+        let joints = [[0, 1], [1, 2], [2, 3], [0, 3]].into_iter().enumerate();
+        let joints = joints.map(|(k, links)| joint(k, links)).collect();
+        let linkage = Mechanism::new("spherical", robot::names(4), joints).unwrap();
+        let found = analysed(&linkage).finite;
+        assert_eq!((found.instantaneous.mobility, found.mobility), (1, Some(1)), "{off}");
+        let home = DVector::zeros(4);
+        let sparse = SparseSystem::new(&linkage, home).unwrap();
+        assert_eq!(sparse.characteristic_length(), 1.0, "{off}");
+    }
+}
+
 /// Bennett's linkage moves wherever its base is; ten kilometres away, the last digit of its place is more than loops may be open.
 #[test]
 fn the_place_of_the_base_decides_nothing() {

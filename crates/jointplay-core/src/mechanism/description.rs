@@ -235,7 +235,7 @@ impl Mechanism {
         sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { sum }).collect()
     }
 
-    /// Root mean square distance of the joints from the middles of their links; 1 m where all are in one point.
+    /// Root mean square distance of the joints from the middles of their links, or 1 m, by [`length_of`].
     pub(super) fn joint_spread(&self, middles: &[Vector3<f64>]) -> f64 {
         let (mut sum, mut count, mut largest) = (0.0, 0.0, 0.0_f64);
         for joint in &self.joints {
@@ -246,8 +246,7 @@ impl Mechanism {
                 largest = largest.max(point.amax());
             }
         }
-        let spread = f64::sqrt(sum / count);
-        if spread > 1e-12 * largest { spread } else { 1.0 }
+        length_of(f64::sqrt(sum / count), largest)
     }
 
     /// Index of a joint by its name.
@@ -346,6 +345,15 @@ impl Mechanism {
             .or_else(|| twice(joints.chain(virtual_joints).chain(couplings)));
         found.map_or(Ok(()), |name| Err(MechanismError::NameTwice { name }))
     }
+}
+
+/// The characteristic length of joints that are so far apart; 1 m where all are in one point, to rounding errors or to a micrometre, since no length matters there.
+///
+/// # Arguments
+/// * `spread` – root mean square distance of the joints from a middle (m)
+/// * `largest` – largest coordinate of a joint (m)
+pub(super) fn length_of(spread: f64, largest: f64) -> f64 {
+    if spread > (1e-12 * largest).max(1e-6) { spread } else { 1.0 }
 }
 
 /// The first name that was there before.

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::ball::rotation_vector_rate;
 use super::coupling_rows::{CouplingRow, coupling_rows};
-use super::description::Mechanism;
+use super::description::{Mechanism, length_of};
 use super::kinematics::{
     KinematicState, Kinematics, bracket, carried, check_coordinates, minus, skew_part,
 };
@@ -446,7 +446,7 @@ impl System for MechanismSystem<'_> {
     }
 }
 
-/// Middle of the joints, and their root mean square distance from it; 1 m where all are in one point, since no length matters there.
+/// Middle of the joints, and the characteristic length by their root mean square distance from it.
 pub(super) fn middle(kinematics: &Kinematics<'_>, home: &DVector<f64>) -> (Vector3<f64>, f64) {
     let zero = DVector::zeros(home.len());
     let links = kinematics.placed(home, &zero, &Vector3::zeros(), None).links;
@@ -463,7 +463,7 @@ pub(super) fn middle(kinematics: &Kinematics<'_>, home: &DVector<f64>) -> (Vecto
     let largest = points.iter().map(Vector3::amax).fold(0.0, f64::max);
     let spread = points.iter().map(|point| (point - middle).norm_squared()).sum::<f64>() / count;
     let spread = spread.sqrt();
-    (middle, if spread > 1e-12 * largest { spread } else { 1.0 })
+    (middle, length_of(spread, largest))
 }
 
 /// Orthonormal rows that span the cycles of the graph, and the matrix that makes them of the loops of the tree.
