@@ -347,13 +347,13 @@ impl Mechanism {
     }
 }
 
-/// The characteristic length of joints that are so far apart; 1 m where all are in one point, to rounding errors or to a micrometre, since no length matters there.
+/// The characteristic length of joints that are so far apart; 1 m where all are in one point, to rounding errors or to the size of an atom, since no length matters there.
 ///
 /// # Arguments
 /// * `spread` – root mean square distance of the joints from a middle (m)
 /// * `largest` – largest coordinate of a joint (m)
 pub(super) fn length_of(spread: f64, largest: f64) -> f64 {
-    if spread > (1e-12 * largest).max(1e-6) { spread } else { 1.0 }
+    if spread > (1e-12 * largest).max(1e-10) { spread } else { 1.0 }
 }
 
 /// The first name that was there before.
