@@ -6,7 +6,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { COMMAND, EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, frames, load, reload, serve, unhandled, until, visit, type Server } from './studio';
+import { COMMAND, EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, frames, joints, load, reload, serve, unhandled, until, visit, type Server } from './studio';
 
 let browser: Browser;
 let folder: string;
@@ -34,7 +34,6 @@ async function at(words: string[], does: (page: Page, server: Server, heard: str
   }
 }
 
-const joints = (page: Page) => page.evaluate(() => window.jointplay.probe.mechanism?.joints() ?? {});
 const text = (page: Page, id: string) => page.getByTestId(id).textContent();
 const shows = (page: Page, id: string, expected: string | RegExp) => page.getByTestId(id).filter({ hasText: expected }).first().waitFor();
 async function openEntry(page: Page, name: string, title: string): Promise<void> {

@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
 import type { Browser, Page } from 'playwright-core';
-import { EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, load, serve, unhandled, until, visit, type Server } from './studio';
+import { EXAMPLE_CELL, ROOT, SHORT_PROGRAM, accessibilityViolations, browse, bytesOf, complaints, joints, load, serve, unhandled, until, visit, type Server } from './studio';
 
 let server: Server;
 let browser: Browser;
@@ -26,7 +26,6 @@ afterEach(() => {
   expect(unhandled(heard.splice(0))).toEqual([]);
 });
 
-const joints = (on: Page) => on.evaluate(() => window.jointplay.probe.mechanism?.joints() ?? {});
 const camera = (on: Page) => on.evaluate(() => window.jointplay.probe.mechanism?.camera() ?? null);
 const link = async (on: Page) => {
   // The button shows for a while that an earlier link was copied.
@@ -39,7 +38,6 @@ const link = async (on: Page) => {
 async function open(entry: string): Promise<void> {
   await page.getByRole('tab', { name: 'Catalogue' }).click();
   await page.getByTestId(`entry-${entry}`).click();
-  await until('its joints are drawn', async () => Object.keys(await joints(page)).length > 0);
 }
 
 /** Opens a link in another tab, and waits until it shows the same as this one. */

@@ -178,6 +178,12 @@ export const checkState = (page: Page) => page.getByTestId('check-result').getAt
 /** Waits for a state of the check result. */
 export const waitForCheck = (page: Page, state: string) => until(`check result ${state}`, async () => (await checkState(page)) === state);
 
+/** Positions of the joints of the mechanism, once the view has any [m]. */
+export async function joints(page: Page): Promise<Record<string, number[]>> {
+  await page.waitForFunction(() => Object.keys(window.jointplay.probe.mechanism?.joints() ?? {}).length > 0, undefined, { polling: 100 });
+  return page.evaluate(() => window.jointplay.probe.mechanism!.joints());
+}
+
 /** Names of all parts in the 3D view of the cell. */
 export const partNames = (page: Page) => page.evaluate(() => window.jointplay.probe.cell?.parts() ?? []);
 
