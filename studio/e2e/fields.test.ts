@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { ROOT, browse, cellFixture, complaints, drawn, load, serve, unhandled, until, visit, waitForCheck, type Server } from './studio';
+import { ROOT, browse, cellFixture, checkState, complaints, drawn, load, serve, unhandled, until, visit, waitForCheck, type Server } from './studio';
 
 let browser: Browser;
 let server: Server;
@@ -48,11 +48,12 @@ test('station angles accept commas, expressions and units', async () => {
     ] as const) {
       await enter(page, `station-LP1-${field}`, text);
       await expect.poll(() => value(page, `station-LP1-${field}`), { message: `${field} ${text}` }).toBe(shown);
+      await until('the plan of the change', async () => (await checkState(page)) !== 'outdated');
+      expect(await value(page, `station-LP1-${field}`), `${field} ${text}, planned`).toBe(shown);
     }
     await enter(page, 'station-LP1-tilt', '2 mm');
     await page.getByRole('alert').filter({ hasText: 'mm is a unit of lengths' }).waitFor();
-    // The last of several changes may still be on its way.
-    await expect.poll(() => value(page, 'station-LP1-tilt')).toBe('0.25');
+    expect(await value(page, 'station-LP1-tilt')).toBe('0.25');
     expect(unhandled(heard).filter((line) => !/status of 422/.test(line))).toEqual([]);
   } finally {
     await fixture.close();
