@@ -86,6 +86,37 @@ test('a value that arrives while another is being typed does not replace it', as
   }
 });
 
+test('fast changes of one station are all made', async () => {
+  const fixture = await cellFixture();
+  try {
+    const page = await visit(fixture.browser, { viewport: { width: 1440, height: 900 } });
+    await load(page, fixture.server.address);
+    await waitForCheck(page, 'passed');
+    await page.locator('details summary', { hasText: 'LP1' }).first().click();
+    let send: () => void = () => undefined;
+    const entered = new Promise<void>((resolve) => (send = resolve));
+    await page.route('**/cell/station', async (route) => {
+      await entered;
+      await route.continue();
+    });
+    const changes = [['tilt', '0.2'], ['toward', '390'], ['x', '-494.9'], ['y', '494.8'], ['heading', '45.1']] as const;
+    const shown = { tilt: '0.2', toward: '30', x: '-494.9', y: '494.8', heading: '45.1' };
+    for (const [field, text] of changes) {
+      await enter(page, `station-LP1-${field}`, text);
+      // The same text again, which is no change.
+      if (field === 'toward') await enter(page, `station-LP1-${field}`, text);
+    }
+    expect(await checkState(page)).toBe('outdated');
+    send();
+    for (const planned of [false, true]) {
+      if (planned) await until('the plan of all changes', async () => (await checkState(page)) !== 'outdated');
+      for (const [field, text] of Object.entries(shown)) expect(await value(page, `station-LP1-${field}`), `${field}, ${planned}`).toBe(text);
+    }
+  } finally {
+    await fixture.close();
+  }
+});
+
 test('parameters and joints of a mechanism accept commas, expressions and units', async () => {
   const page = await visit(browser, { viewport: { width: 1440, height: 900 } });
   await load(page, server.address);

@@ -21,8 +21,8 @@ export interface CellChangesContext {
   completeEdit(): void;
   /** Completes an edit: adds it to the undo history and plans it. */
   commit(): void;
-  /** The station that is dragged is shown where the text has it. */
-  endDrag(): void;
+  /** Shows the stations as they were planned. */
+  forgetChanged(): void;
   readonly selection: { part: Part | null };
   showLine(line: number, kind: 'program' | 'cell'): void;
   failed(error: unknown): void;
@@ -86,6 +86,7 @@ export class CellChanges {
         context.selection.part = name === null ? null : { kind: change.list, name };
         context.commit();
       } catch (error) {
+        context.forgetChanged();
         if (error instanceof ConnectionError) context.notice = 'The cell was not changed: the server does not respond.';
         else context.failed(error);
       }
@@ -132,7 +133,7 @@ export class CellChanges {
       context.commit();
       if (contacts.length > 0) context.showLine(contactNoteLine(cell, station), 'cell');
     } catch (error) {
-      context.endDrag();
+      context.forgetChanged();
       const by = change.taught_by;
       if (by && error instanceof ApiError && error.field === CONTACT_FIELD)
         this.#contact = {

@@ -113,10 +113,10 @@ export class WorkcellSession {
   /** The camera of the 3D view when it was last closed. */
   camera: { eye: number[]; target: number[] } | null = null;
   readonly selection: PartSelection = new PartSelection(this);
-  /** The dragged station at its current pose. */
-  draggedStation = $state.raw<StationDocument | null>(null);
-  /** The displayed stations, with the dragged one at its current pose. */
-  displayedStations = $derived(this.stations.map((one) => (one.name === this.draggedStation?.name ? this.draggedStation : one)));
+  /** Stations that are being dragged or changed, with their new values, by name: until these are planned. */
+  #changedStations = $state.raw<Readonly<Record<string, StationDocument>>>({});
+  /** The displayed stations, with the values of changes that are not planned yet: a further change begins with these. */
+  displayedStations = $derived(this.stations.map((one) => this.#changedStations[one.name] ?? one));
   #hasPast = $state(false);
   canRedo = $state(false);
   /** Duration of the last planning request [ms]. */
@@ -128,7 +128,7 @@ export class WorkcellSession {
       (!this.#upToDate ||
         this.changes.pending > 0 ||
         this.typing ||
-        this.draggedStation !== null ||
+        this.isStationChanged ||
         connection.state !== 'connected' ||
         this.texts.cell !== this.planned?.texts.cell ||
         this.texts.program !== this.planned?.texts.program),
@@ -277,9 +277,19 @@ export class WorkcellSession {
     this.canRedo = this.#history.canRedo;
   }
 
-  /** Shows the dragged station where the text has it. */
-  endDrag(): void {
-    this.draggedStation = null;
+  /** Whether a displayed station has values that are not planned yet. */
+  get isStationChanged(): boolean {
+    return Object.keys(this.#changedStations).length > 0;
+  }
+
+  /** Shows a station with its new values before they are planned. */
+  showChanged(station: StationDocument): void {
+    this.#changedStations = { ...this.#changedStations, [station.name]: station };
+  }
+
+  /** Shows the stations as they were planned. */
+  forgetChanged(): void {
+    this.#changedStations = {};
   }
 
   /** Whether undo has an effect: on the history, or on a pending change. */
@@ -290,7 +300,7 @@ export class WorkcellSession {
   /** Cancels pending changes, or returns to the last step. */
   undo(): void {
     if (this.changes.cancel()) {
-      this.draggedStation = null;
+      this.forgetChanged();
       return;
     }
     this.completeEdit();
@@ -311,6 +321,7 @@ export class WorkcellSession {
   #restore(work: Work | undefined): void {
     if (!work) return;
     if (work.opened !== this.opened) this.#leaveCell();
+    this.forgetChanged();
     this.texts = work.texts;
     this.teaching.points = work.points;
     this.opened = work.opened;
@@ -342,7 +353,8 @@ export class WorkcellSession {
         this.stations = plan.stations;
         this.bodies = plan.bodies;
       }
-      this.draggedStation = null;
+      // Changes that are still on their way are planned next.
+      if (this.changes.pending === 0) this.forgetChanged();
       this.took_ms = performance.now() - start;
       this.playback.time = Math.min(this.playback.time, this.duration);
       this.timeline.prefetch(this.playback.time, this.playback.range);

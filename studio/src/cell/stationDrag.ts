@@ -32,9 +32,16 @@ export function dragged(from: StationDocument, freedom: Freedom, by: number, til
   const tilt_angle_deg = degrees(Math.hypot(x, y));
   const tilt_azimuth_deg = tilt_angle_deg > 0 ? degrees(Math.atan2(-x, y)) : 0;
   return {
-    station: { ...from, about_x_rad: x, about_y_rad: y, tilt_angle_deg, tilt_azimuth_deg, tilt_share: tiltMax > 0 ? Math.hypot(x, y) / tiltMax : 0 },
+    station: tilted(from, tilt_azimuth_deg, tilt_angle_deg, tiltMax),
     change: { tilt_xy: { about_x_rad: x, about_y_rad: y }, ...carrierAxisOption(from) },
   };
+}
+
+/** A station with another tilt; the greatest of the robot is in rad. */
+export function tilted(from: StationDocument, tilt_azimuth_deg: number, tilt_angle_deg: number, tiltMax: number): StationDocument {
+  const [azimuth, angle] = [radians(tilt_azimuth_deg), radians(tilt_angle_deg)];
+  const [about_x_rad, about_y_rad] = [-angle * Math.sin(azimuth), angle * Math.cos(azimuth)];
+  return { ...from, about_x_rad, about_y_rad, tilt_angle_deg, tilt_azimuth_deg, tilt_share: tiltMax > 0 ? angle / tiltMax : 0 };
 }
 
 /** The option that preserves the definition of a station by its first and last slot. */

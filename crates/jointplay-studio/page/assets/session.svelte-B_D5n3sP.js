@@ -1,0 +1,1 @@
+export{n as session}from"./session.svelte-D_iYeS0Q.js";

@@ -1,1 +1,0 @@
-export{n as session}from"./session.svelte-1LKrlHMM.js";
