@@ -510,7 +510,9 @@ terms = [{ coordinate = "turn", ratio = -1.5 }]
 fn names_that_sdf_reserves_are_replaced() {
     let text = "kind = \"mechanism\"\nname = \"cell::arm\"\nunits = { length = \"mm\", angle = \"deg\" }\nbase = \"__root__\"\n\
         [[joint]]\nname = \"cell::J1\"\nkind = \"revolute\"\nlinks = [\"__root__\", \"arm::upper\"]\npoint = [0, 0, 0]\naxis = [0, 0, 1]\nactuated = true\n\
-        [[joint]]\nname = \"cell/J1\"\nkind = \"prismatic\"\nlinks = [\"arm::upper\", \"____\"]\npoint = [100, 0, 0]\naxis = [0, 0, 1]\n";
+        [[joint]]\nname = \"cell/J1\"\nkind = \"prismatic\"\nlinks = [\"arm::upper\", \"____\"]\npoint = [100, 0, 0]\naxis = [0, 0, 1]\n\
+        [[joint]]\nname = \"world\"\nkind = \"revolute\"\nlinks = [\"____\", \"a_\"]\npoint = [200, 0, 0]\naxis = [0, 0, 1]\n\
+        [[frame]]\nname = \"__world__\"\nlink = \"a_\"\npoint = [0, 0, 0]\n";
     let mechanism =
         mechanism::parse(text).map_err(|error| error.with_excerpt("names")).unwrap().mechanism;
     let at = guess(&mechanism);
@@ -520,11 +522,12 @@ fn names_that_sdf_reserves_are_replaced() {
     assert!(!of_model.clone().any(|line| line.contains("::") || line.contains("__")));
     let found = read(&written);
     assert_eq!(found.name(), "cell/arm");
-    assert_eq!(found.links()[1..], ["root", "arm/upper", "link"]);
+    assert_eq!(found.links()[1..], ["root", "arm/upper", "link", "a_"]);
     let joints: Vec<&str> = found.joints().iter().map(|joint| joint.name.as_str()).collect();
-    assert!(joints.ends_with(&["cell/J1 (2)", "cell/J1"]), "{joints:?}");
+    assert!(joints.ends_with(&["cell/J1 (2)", "cell/J1", "world joint"]), "{joints:?}");
+    assert!(written.text.contains("<frame name=\"world frame\" attached_to=\"a_\">"));
     let of_names = |lost: &&String| lost.contains("SDF reserves its name");
-    assert_eq!(written.lost.iter().filter(of_names).count(), 5, "{:?}", written.lost);
+    assert_eq!(written.lost.iter().filter(of_names).count(), 7, "{:?}", written.lost);
 }
 
 /// Wheels A, B and C on parallel axes.

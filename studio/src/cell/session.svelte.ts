@@ -353,7 +353,7 @@ export class WorkcellSession {
         this.stations = plan.stations;
         this.bodies = plan.bodies;
       }
-      // Changes that are still on their way are planned next.
+      // Pending changes are planned next.
       if (this.changes.pending === 0) this.forgetChanged();
       this.took_ms = performance.now() - start;
       this.playback.time = Math.min(this.playback.time, this.duration);

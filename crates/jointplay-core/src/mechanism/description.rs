@@ -15,7 +15,7 @@ pub const MAX_LINKS: usize = 10_000;
 const MAX_LENGTH_RATIO: f64 = 1e4;
 
 /// Longest characteristic length of mechanisms of any size (m): distances may be those of tolerances alone, as of joints whose axes nearly meet in one point.
-const ALWAYS_PERMITTED: f64 = 1e3;
+const ALWAYS_PERMITTED_LENGTH: f64 = 1e3;
 
 /// Free travel or stiffness of a joint in the directions that it should hold still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -184,7 +184,7 @@ impl Mechanism {
         positive("the characteristic length", &self.name, Some(length))?;
         let spread = self.joint_spread(&self.joint_middles());
         let [min, max] =
-            [spread / MAX_LENGTH_RATIO, (spread * MAX_LENGTH_RATIO).max(ALWAYS_PERMITTED)];
+            [spread / MAX_LENGTH_RATIO, (spread * MAX_LENGTH_RATIO).max(ALWAYS_PERMITTED_LENGTH)];
         if !(min..=max).contains(&length) {
             return Err(MechanismError::CharacteristicLength { found: length, min, max });
         }
@@ -235,7 +235,7 @@ impl Mechanism {
         sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { sum }).collect()
     }
 
-    /// Root mean square distance of the joints from the middles of their links, or 1 m, by [`length_of`].
+    /// Root mean square distance of the joints from the middles of their links, or 1 m, by [`default_length`].
     pub(super) fn joint_spread(&self, middles: &[Vector3<f64>]) -> f64 {
         let (mut sum, mut count, mut largest) = (0.0, 0.0, 0.0_f64);
         for joint in &self.joints {
@@ -246,7 +246,7 @@ impl Mechanism {
                 largest = largest.max(point.amax());
             }
         }
-        length_of(f64::sqrt(sum / count), largest)
+        default_length(f64::sqrt(sum / count), largest)
     }
 
     /// Index of a joint by its name.
@@ -347,12 +347,12 @@ impl Mechanism {
     }
 }
 
-/// The characteristic length of joints that are so far apart; 1 m where all are in one point, to rounding errors or to the size of an atom, since no length matters there.
+/// The characteristic length where none is given: the distance of the joints, or 1 m where all are in one point, to rounding errors or to the size of an atom, since no length matters there.
 ///
 /// # Arguments
 /// * `spread` – root mean square distance of the joints from a middle (m)
 /// * `largest` – largest coordinate of a joint (m)
-pub(super) fn length_of(spread: f64, largest: f64) -> f64 {
+pub(super) fn default_length(spread: f64, largest: f64) -> f64 {
     if spread > (1e-12 * largest).max(1e-10) { spread } else { 1.0 }
 }
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::ball::rotation_vector_rate;
 use super::coupling_rows::{CouplingRow, coupling_rows};
-use super::description::{Mechanism, length_of};
+use super::description::{Mechanism, default_length};
 use super::kinematics::{
     KinematicState, Kinematics, bracket, carried, check_coordinates, minus, skew_part,
 };
@@ -463,7 +463,7 @@ pub(super) fn middle(kinematics: &Kinematics<'_>, home: &DVector<f64>) -> (Vecto
     let largest = points.iter().map(Vector3::amax).fold(0.0, f64::max);
     let spread = points.iter().map(|point| (point - middle).norm_squared()).sum::<f64>() / count;
     let spread = spread.sqrt();
-    (middle, length_of(spread, largest))
+    (middle, default_length(spread, largest))
 }
 
 /// Orthonormal rows that span the cycles of the graph, and the matrix that makes them of the loops of the tree.

@@ -8,7 +8,7 @@ use nalgebra::{DVector, Translation3, Vector3};
 use super::Written;
 use super::error::Error;
 use super::mimics::{Mimic, Mimics};
-use super::sdf_names::with_permitted_names;
+use super::sdf_names::{WORLD, with_permitted_names};
 use super::skeleton::{DEFAULT_STIFFNESS, Skeleton};
 use super::xml::{Xml, number, roll_pitch_yaw, vector};
 
@@ -16,9 +16,6 @@ use super::xml::{Xml, number, roll_pitch_yaw, vector};
 const VERSION: &str = "1.9";
 /// The first version of the format whose axes mimic others.
 const VERSION_WITH_MIMICS: &str = "1.11";
-/// Name of the world as a link, which the format reserves.
-const WORLD: &str = "world";
-
 /// A mechanism at a closed configuration as a model of Gazebo (SDF), with its loops.
 ///
 /// Links have their frames; each joint is one of the same kind, or a sequence of slides and hinges with links between them.
@@ -34,9 +31,7 @@ const WORLD: &str = "world";
 /// # Source
 /// \[SDFormat\]
 pub fn sdf(mechanism: &Mechanism, coordinates: &DVector<f64>) -> Result<Written, Error> {
-    let permitted = with_permitted_names(mechanism);
-    let (mechanism, renamed) =
-        permitted.as_ref().map_or((mechanism, &[][..]), |(made, renamed)| (made, renamed));
+    let (mechanism, renamed) = &with_permitted_names(mechanism);
     let skeleton = Skeleton::new(mechanism, coordinates)?;
     let mimics = mimics(&skeleton)?;
     let kinematics = Kinematics::new(mechanism);

@@ -280,19 +280,9 @@ impl<'a> Skeleton<'a> {
 
     /// A name that no link and joint has.
     pub(super) fn fresh(&self, name: String) -> String {
-        let mechanism = self.mechanism;
-        let taken: BTreeSet<&str> = mechanism
-            .links()
-            .iter()
-            .chain(mechanism.joints().iter().map(|joint| &joint.name))
-            .chain(mechanism.virtual_joints().iter().map(|joint| &joint.name))
-            .chain(mechanism.frames().iter().map(|frame| &frame.name))
-            .chain(self.bodies.iter().map(|body| &body.name))
-            .map(String::as_str)
-            .collect();
-        let numbered = (2..).map(|number| format!("{name} ({number})"));
-        let mut names = std::iter::once(name.clone()).chain(numbered);
-        names.find(|name| !taken.contains(name.as_str())).expect("names are finitely many")
+        let bodies = self.bodies.iter().map(|body| &body.name);
+        let taken: BTreeSet<&String> = names(self.mechanism).chain(bodies).collect();
+        unused(name, |name| taken.contains(name))
     }
 
     /// Index of the virtual joint of a coordinate.
@@ -331,6 +321,21 @@ impl<'a> Skeleton<'a> {
     pub(super) fn is_turn(factor: &Factor) -> bool {
         factor.coordinates() == [Coordinate::Turn]
     }
+}
+
+/// Names of the links, joints, virtual joints and frames of a mechanism.
+pub(super) fn names(mechanism: &Mechanism) -> impl Iterator<Item = &String> {
+    let joints = mechanism.joints().iter().map(|joint| &joint.name);
+    let virtual_joints = mechanism.virtual_joints().iter().map(|joint| &joint.name);
+    let frames = mechanism.frames().iter().map(|frame| &frame.name);
+    mechanism.links().iter().chain(joints).chain(virtual_joints).chain(frames)
+}
+
+/// A name, with a number if it is taken.
+pub(super) fn unused(name: String, is_taken: impl Fn(&String) -> bool) -> String {
+    let numbered = (2..).map(|number| format!("{name} ({number})"));
+    let mut names = std::iter::once(name.clone()).chain(numbered);
+    names.find(|name| !is_taken(name)).expect("names are finitely many")
 }
 
 /// Stiffness of each virtual joint: that of the file where all state it, and otherwise one in the proportions of their weights.
