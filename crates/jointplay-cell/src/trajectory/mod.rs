@@ -15,7 +15,7 @@
 //! | `spline` | positions of all axes over a path parameter |
 //! | `quintic_interpolation` | positions between the points of a path |
 //! | `cartesian_path` | straight lines of the wafer, followed by inverse kinematics |
-//! | `squared_rate`, `rate_constraints`, `rate_search` | the fastest parameterization of a path: variables, constraints, interior-point method |
+//! | `squared_rate`, `collocation`, `rate_constraints`, `rate_search` | the fastest parameterization of a path: variables, places of constraints, constraints, interior-point method |
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
 //! | `slip` | slowdown of segments on which a wafer would slip |
 //! | `lift` | steps that differ by a common height of all rods |
@@ -36,6 +36,7 @@ mod blend;
 mod blend_candidate;
 mod blend_planner;
 mod cartesian_path;
+mod collocation;
 mod error;
 mod joint_space_line;
 mod lift;
@@ -45,6 +46,7 @@ mod options;
 mod profile;
 mod quintic_interpolation;
 mod rate_constraints;
+mod rate_lanes;
 mod rate_search;
 mod sample;
 mod sampler;

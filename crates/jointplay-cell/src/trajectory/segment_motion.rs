@@ -87,6 +87,22 @@ impl SegmentMotion {
         }
     }
 
+    /// States of all axes at a time since the start of the segment (s).
+    pub(super) fn states(&self, step: &Step, time: f64) -> impl Iterator<Item = AxisState> {
+        // A path is entered once for all axes.
+        let along = match self {
+            Self::Line { path, parameter } => {
+                let along = parameter.state(time);
+                Some((path, path.spline.interval(along[0]), along))
+            }
+            Self::Dwell { .. } | Self::PointToPoint(_) => None,
+        };
+        (0..step.from.len()).map(move |axis| match along {
+            Some((path, interval, along)) => derivatives_along_path(path, interval, axis, along),
+            None => self.state(step, axis, time),
+        })
+    }
+
     /// State of one axis at a time since the start of the segment (s).
     pub(super) fn state(&self, step: &Step, axis: usize, time: f64) -> AxisState {
         match self {

@@ -2,7 +2,7 @@
 
 use super::segment_motion::SegmentMotion;
 use crate::program::Step;
-use crate::robot::{AxesMotion, EffectorId};
+use crate::robot::{AxesMotion, EffectorId, MAX_AXES};
 use crate::workcell::Cell;
 
 /// Number of uniform intervals of the first, coarse sampling of a segment.
@@ -94,13 +94,14 @@ pub(super) fn utilization(
     id: EffectorId,
     time: f64,
 ) -> f64 {
-    let states: Vec<_> = (0..step.from.len()).map(|axis| motion.state(step, axis, time)).collect();
+    let mut columns = [[0.0; MAX_AXES]; 3];
+    for (axis, state) in motion.states(step, time).enumerate() {
+        for (column, value) in columns.iter_mut().zip(state) {
+            column[axis] = value;
+        }
+    }
     let [positions, velocities, accelerations] =
-        [0, 1, 2].map(|order| states.iter().map(|state| state[order]).collect::<Vec<f64>>());
-    let motion = AxesMotion {
-        positions: &positions,
-        velocities: &velocities,
-        accelerations: &accelerations,
-    };
+        columns.each_ref().map(|column| &column[..step.from.len()]);
+    let motion = AxesMotion { positions, velocities, accelerations };
     cell.friction_demand(id, &motion).map_or(0.0, |margin| margin.utilization())
 }

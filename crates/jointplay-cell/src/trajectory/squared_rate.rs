@@ -10,12 +10,9 @@
 //! All left sides are linear in x, and so is everything but the right side of the jerk, which is convex: its tangents are inner approximations.
 
 use super::profile::JerkLimitedProfile;
+use super::rate_lanes::{Coefficients, INTERVALS, LANES, Lanes, LanesOfBasis};
 use super::spline::Jet;
 
-/// Number of intervals of the spline.
-pub(super) const INTERVALS: usize = 48;
-/// Number of coefficients of the spline.
-pub(super) const COEFFICIENTS: usize = INTERVALS + 2;
 /// Positions and weights of the Gauss–Legendre quadrature with three points on an interval from 0 to 1.
 const QUADRATURE: [(f64, f64); 3] = [
     (0.112_701_665_379_258_31, 5.0 / 18.0),
@@ -59,19 +56,15 @@ pub(super) struct RateGrid {
     /// Number of intervals in a ramp.
     ramp_intervals: usize,
     /// Points and weights at which durations of intervals are integrated.
-    quadrature: Vec<QuadraturePoint>,
-    /// Weights of the two basis splines that are not zero at the start of each interval.
-    knot_weights: Vec<[f64; 2]>,
+    quadrature: Vec<QuadraturePoints>,
 }
 
-/// A point at which the duration is integrated.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct QuadraturePoint {
-    pub(super) interval: usize,
-    /// Weights of the basis splines in x.
-    pub(super) basis: [f64; 3],
-    /// Weight of 1/√x.
-    pub(super) weight: f64,
+/// Points of successive intervals at which the duration is integrated.
+#[derive(Debug)]
+pub(super) struct QuadraturePoints {
+    pub(super) basis: LanesOfBasis<1>,
+    /// Weights of 1/√x.
+    pub(super) weights: Lanes,
 }
 
 impl RateGrid {
@@ -85,35 +78,21 @@ impl RateGrid {
         };
         let rest = 0.5 - ramp;
         let peak = 0.5 / (ramp * ramp / 6.0 + rest / 4.0 - rest * rest / 6.0);
-        let mut grid = Self {
-            ramp,
-            peak,
-            ramp_intervals,
-            quadrature: Vec::with_capacity(2 * INTERVALS),
-            knot_weights: Vec::with_capacity(INTERVALS),
-        };
-        for interval in 0..INTERVALS {
-            let weight = 0.5 * grid.width(interval);
-            let points = TWO_POINTS.map(|fraction| QuadraturePoint {
-                interval,
-                basis: grid.basis(interval, fraction)[0],
-                weight,
+        let mut grid = Self { ramp, peak, ramp_intervals, quadrature: Vec::new() };
+        for first in (0..INTERVALS).step_by(LANES) {
+            let weights = std::array::from_fn(|lane| 0.5 * grid.width(first + lane));
+            let points = TWO_POINTS.map(|fraction| {
+                let basis = |interval| [grid.basis(interval, fraction)[0]];
+                QuadraturePoints { basis: LanesOfBasis::new(first, basis), weights }
             });
             grid.quadrature.extend(points);
-            let [first, second, _] = grid.basis(interval, 0.0)[0];
-            grid.knot_weights.push([first, second]);
         }
         grid
     }
 
     /// Points at which the duration is integrated.
-    pub(super) fn quadrature(&self) -> &[QuadraturePoint] {
+    pub(super) fn quadrature(&self) -> &[QuadraturePoints] {
         &self.quadrature
-    }
-
-    /// Weights of the coefficients `knot` and `knot + 1` in the squared rate at the start of an interval.
-    pub(super) fn knot_weights(&self, knot: usize) -> [f64; 2] {
-        self.knot_weights[knot]
     }
 
     /// Width of an interval; those before the first and after the last are as wide as these.
@@ -163,7 +142,7 @@ impl RateGrid {
 #[derive(Debug, Clone)]
 pub(super) struct SquaredRate<'a> {
     pub(super) grid: &'a RateGrid,
-    pub(super) coefficients: Vec<f64>,
+    pub(super) coefficients: Coefficients,
 }
 
 impl SquaredRate<'_> {

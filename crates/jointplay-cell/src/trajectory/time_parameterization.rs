@@ -11,11 +11,13 @@
 use pulp::Arch;
 
 use super::axis_state::AxisState;
+use super::collocation::{CollocationPath, FrictionConstraints};
 use super::profile::JerkLimitedProfile;
-use super::rate_constraints::{Exceedance, FrictionConstraints, RateConstraints};
+use super::rate_constraints::{Exceedance, RateConstraints};
+use super::rate_lanes::INTERVALS;
 use super::rate_search::RateSearch;
 use super::spline::{self, Jet, Spline};
-use super::squared_rate::{INTERVALS, RateGrid};
+use super::squared_rate::RateGrid;
 use super::synchronized::{NoProfile, synchronized_profile};
 use crate::extrema::raise;
 use crate::robot::{AxesMotion, KinematicLimits};
@@ -132,15 +134,12 @@ impl<'a> TimeParameterization<'a> {
         friction: Option<&FrictionConstraints<'_>>,
     ) -> Option<JerkLimitedProfile> {
         let grid = RateGrid::new(ramp_fraction);
+        let path = CollocationPath::new(&grid, self.spline, &self.limits, self.max_rate, friction)?;
         let mut tightened = Exceedance::none(self.limits.len());
-        let constraints = |by: &Exceedance| {
-            let (limits, max_rate) = (&self.limits, self.max_rate);
-            RateConstraints::new(&grid, self.spline, limits, max_rate, by, friction)
-        };
-        let mut search = RateSearch::new(constraints(&tightened)?)?;
+        let mut search = RateSearch::new(RateConstraints::new(&path, &tightened))?;
         let mut best: Option<JerkLimitedProfile> = None;
         for (refinement, gap) in GAPS.into_iter().enumerate() {
-            search.solve(gap);
+            search = search.solved(gap);
             let solution = search.solution();
             let profile = solution.profile();
             let mut found = Exceedance::none(self.limits.len());
@@ -159,9 +158,8 @@ impl<'a> TimeParameterization<'a> {
                 break;
             }
             tightened.accumulate(&found);
-            let next = constraints(&tightened)
-                .and_then(|tighter| RateSearch::continued(tighter, &solution, gap));
-            let Some(next) = next else {
+            let tighter = RateConstraints::new(&path, &tightened);
+            let Some(next) = RateSearch::continued(tighter, &solution, gap) else {
                 break;
             };
             search = next;
