@@ -46,38 +46,74 @@ impl<const N: usize> LanesOfBasis<N> {
         values
     }
 
-    /// Adds the gradient with respect to the coefficients, from the one with respect to x and its derivatives.
-    #[inline(always)]
-    pub(super) fn add_gradient(&self, gradient: &[Lanes; N], to: &mut Coefficients) {
-        for k in 0..3 {
-            let to = lanes_from_mut(to, self.first + k);
-            for (gradient, basis) in gradient.iter().zip(&self.basis) {
-                add(to, |lane| gradient[lane] * basis[k][lane]);
-            }
-        }
-    }
-
-    /// Adds the second derivatives with respect to the coefficients, from those with respect to x and its derivatives.
+    /// Adds derivatives with respect to the coefficients, from those with respect to x and its derivatives.
     ///
     /// # Arguments
     /// * `hessian` – second derivatives, symmetric
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "sums over the indices of a product of matrices"
+    )]
     #[inline(always)]
-    pub(super) fn add_hessian(&self, hessian: &[[Lanes; N]; N], to: &mut Banded) {
-        for a in 0..3 {
-            let mut along = [[0.0; LANES]; N];
-            for (row, along) in hessian.iter().zip(&mut along) {
-                for (second, basis) in row.iter().zip(&self.basis) {
-                    add(along, |lane| second[lane] * basis[a][lane]);
+    pub(super) fn add_derivatives(
+        &self,
+        gradient: &[Lanes; N],
+        hessian: &[[Lanes; N]; N],
+        to: &mut Derivatives,
+    ) {
+        let first = self.first;
+        let to_gradient = to.gradient.each_mut().map(|column| lanes_from_mut(column, first));
+        let to_hessian = to.hessian.each_mut();
+        let to_hessian =
+            to_hessian.map(|row| row.each_mut().map(|column| lanes_from_mut(column, first)));
+        // One loop over all of it becomes instructions over all lanes.
+        for lane in 0..LANES {
+            for a in 0..3 {
+                let mut along = [0.0; N];
+                for n in 0..N {
+                    to_gradient[a][lane] += gradient[n][lane] * self.basis[n][a][lane];
+                    for m in 0..N {
+                        along[n] += hessian[n][m][lane] * self.basis[m][a][lane];
+                    }
                 }
-            }
-            for b in a..3 {
-                let to = lanes_from_mut(&mut to[b - a], self.first + a);
-                for (along, basis) in along.iter().zip(&self.basis) {
-                    add(to, |lane| along[lane] * basis[b][lane]);
+                for b in a..3 {
+                    for n in 0..N {
+                        to_hessian[a][b][lane] += along[n] * self.basis[n][b][lane];
+                    }
                 }
             }
         }
     }
+}
+
+/// First and second derivatives with respect to the three coefficients of each interval.
+pub(super) struct Derivatives {
+    gradient: [[f64; INTERVALS]; 3],
+    /// The upper triangle.
+    hessian: [[[f64; INTERVALS]; 3]; 3],
+}
+
+impl Derivatives {
+    pub(super) const ZERO: Self =
+        Self { gradient: [[0.0; INTERVALS]; 3], hessian: [[[0.0; INTERVALS]; 3]; 3] };
+
+    /// Second derivatives and gradient with respect to all coefficients.
+    #[inline(always)]
+    pub(super) fn assembled(&self) -> (Banded, Coefficients) {
+        let (mut matrix, mut gradient) = ([[0.0; COEFFICIENTS]; 3], [0.0; COEFFICIENTS]);
+        for a in 0..3 {
+            add_column(&mut gradient[a..], &self.gradient[a]);
+            for b in a..3 {
+                add_column(&mut matrix[b - a][a..], &self.hessian[a][b]);
+            }
+        }
+        (matrix, gradient)
+    }
+}
+
+#[inline(always)]
+fn add_column(to: &mut [f64], values: &[f64; INTERVALS]) {
+    to.iter_mut().zip(values).for_each(|(to, value)| *to += value);
 }
 
 /// A symmetric matrix: its main diagonal and the two above it, each from the first row on.
@@ -89,24 +125,14 @@ fn lanes_from(values: &Coefficients, first: usize) -> &Lanes {
 }
 
 #[inline(always)]
-fn lanes_from_mut(values: &mut Coefficients, first: usize) -> &mut Lanes {
-    values[first..].first_chunk_mut().expect("the last intervals have all their coefficients")
+fn lanes_from_mut(values: &mut [f64; INTERVALS], first: usize) -> &mut Lanes {
+    values[first..].first_chunk_mut().expect("blocks end with the last interval")
 }
 
 /// One number of each lane.
 #[inline(always)]
 pub(super) fn lanes(of_lane: impl Fn(usize) -> f64) -> Lanes {
     std::array::from_fn(of_lane)
-}
-
-/// Adds one number of each lane.
-///
-/// A loop with one result becomes instructions over all lanes.
-#[inline(always)]
-pub(super) fn add(sum: &mut Lanes, of_lane: impl Fn(usize) -> f64) {
-    for (lane, sum) in sum.iter_mut().enumerate() {
-        *sum += of_lane(lane);
-    }
 }
 
 /// Sum of the products of two columns.
@@ -190,16 +216,13 @@ mod tests {
                     assert!((block.values(&x)[order][lane] - expected).abs() < 1e-15);
                 }
             }
-            let gradient =
-                [0, 1].map(|of| std::array::from_fn(|lane| number(20 + of * LANES + lane)));
-            let mut found = [1.0; COEFFICIENTS];
-            block.add_gradient(&gradient, &mut found);
-            let expected: f64 = direction.iter().sum::<f64>()
-                + (0..2).map(|order| dot(&gradient[order], &along[order])).sum::<f64>();
-            assert!((dot(&found, &direction) - expected).abs() < 1e-14);
+            let gradient = [20, 30].map(|of| lanes(|lane| number(of + lane)));
             let [h0, h1, h2] = [40, 60, 80].map(|of| lanes(|lane| number(of + lane)));
-            let mut matrix = [[0.0; COEFFICIENTS]; 3];
-            block.add_hessian(&[[h0, h1], [h1, h2]], &mut matrix);
+            let mut derivatives = Derivatives::ZERO;
+            block.add_derivatives(&gradient, &[[h0, h1], [h1, h2]], &mut derivatives);
+            let (matrix, found) = derivatives.assembled();
+            let expected = dot(&gradient[0], &along[0]) + dot(&gradient[1], &along[1]);
+            assert!((dot(&found, &direction) - expected).abs() < 1e-14);
             let expected: f64 = (0..LANES)
                 .map(|k| {
                     let [v, w] = along.map(|along| along[k]);

@@ -4,7 +4,7 @@ use pulp::Arch;
 
 use super::rate_constraints::{Bound, RateConstraints, Row, Sides};
 use super::rate_lanes::{
-    Banded, COEFFICIENTS, Coefficients, LANES, Lanes, dot, lanes, solve_banded,
+    COEFFICIENTS, Coefficients, Derivatives, LANES, Lanes, dot, lanes, solve_banded,
 };
 use super::squared_rate::{RateGrid, SquaredRate};
 use crate::extrema::raise;
@@ -152,9 +152,9 @@ impl<'a> RateSearch<'a> {
     /// Newton step toward the point at which all products of slacks and multipliers have one value.
     #[inline(always)]
     fn step(&self, target: f64) -> Step {
-        let mut matrix: Banded = [[0.0; COEFFICIENTS]; 3];
-        let mut right = [0.0; COEFFICIENTS];
-        self.add_duration(&mut matrix, &mut right);
+        // Second derivatives, and the negative gradient.
+        let mut derivatives = Derivatives::ZERO;
+        self.add_duration(&mut derivatives);
         let RateConstraints { path, counts, rows, .. } = &self.constraints;
         let mut rows = rows.iter().zip(&self.slacks).zip(&self.multipliers);
         for (block, &count) in path.blocks.iter().zip(counts) {
@@ -186,9 +186,10 @@ impl<'a> RateSearch<'a> {
                 }
             }
             let [g0, g1, g2, h00, h01, h02, h11, h12, h22] = sums;
-            block.add_gradient(&[g0, g1, g2], &mut right);
-            block.add_hessian(&[[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]], &mut matrix);
+            let hessian = [[h00, h01, h02], [h01, h11, h12], [h02, h12, h22]];
+            block.add_derivatives(&[g0, g1, g2], &hessian, &mut derivatives);
         }
+        let (mut matrix, mut right) = derivatives.assembled();
         for k in 0..COEFFICIENTS {
             let inverse = 1.0 / self.coefficients[k];
             right[k] += target * inverse;
@@ -198,9 +199,9 @@ impl<'a> RateSearch<'a> {
         self.step_along(right, target)
     }
 
-    /// Adds the gradient and the curvature of the duration.
+    /// Adds the slope and the curvature of the duration.
     #[inline(always)]
-    fn add_duration(&self, matrix: &mut Banded, right: &mut Coefficients) {
+    fn add_duration(&self, to: &mut Derivatives) {
         for points in self.constraints.path.grid.quadrature() {
             let [x] = points.basis.values(&self.coefficients);
             let (mut slope, mut curvature) = ([0.0; LANES], [0.0; LANES]);
@@ -208,8 +209,7 @@ impl<'a> RateSearch<'a> {
                 slope[k] = 0.5 * points.weights[k] / (x[k] * x[k].sqrt());
                 curvature[k] = 1.5 * slope[k] / x[k];
             }
-            points.basis.add_gradient(&[slope], right);
-            points.basis.add_hessian(&[[curvature]], matrix);
+            points.basis.add_derivatives(&[slope], &[[curvature]], to);
         }
     }
 
