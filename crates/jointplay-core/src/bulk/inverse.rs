@@ -8,7 +8,7 @@ use super::{Column, Status, StatusCounts};
 use crate::Error;
 use crate::error::LARGEST_LENGTH;
 use crate::gpr::{AxisHeight, Gpr};
-use crate::kernel::{Lanes, Mask, Three, sin_cos};
+use crate::kernel::{Lanes, Mask, Three, gradient};
 use crate::spatial::Tilt;
 
 impl Gpr {
@@ -132,12 +132,10 @@ impl<S: Simd> Tilts<S> {
     #[inline(always)]
     fn rods(&self, points: &[[f64; 2]; 3], bounds: &Bounds) -> (Three<S>, Mask<S>) {
         let Self { azimuth, angle, height } = *self;
-        let ((sin, cos), (rise, run)) = (sin_cos(azimuth), sin_cos(angle));
-        let slope = rise / run;
-        let (slope_x, slope_y) = (slope * cos, slope * sin);
+        let [slope_x, slope_y] = gradient(azimuth, angle);
         let mut rods = [height; 3];
         for (rod, [x, y]) in rods.iter_mut().zip(points) {
-            *rod = height - slope_x.times_plus(slope.like(*x), slope_y * *y);
+            *rod = slope_y.times_from(height.like(*y), slope_x.times_from(height.like(*x), height));
         }
         // Written so that what is not a number is no tilt.
         let [q_1, q_2, q_3] = rods;

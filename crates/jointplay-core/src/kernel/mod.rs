@@ -30,4 +30,4 @@ pub(crate) use pose::PlatformPoses;
 pub(crate) use shape::{Balls, Shape, Three};
 pub(crate) use single::{Single, SingleJoints, SinglePose};
 pub(crate) use solve::{ClosedForm, Method};
-pub(crate) use trigonometry::{angle_of, sin_cos};
+pub(crate) use trigonometry::{angle_of, gradient, sin_cos};

@@ -9,12 +9,8 @@ use pulp::Simd;
 
 use super::lanes::{Lanes, Mask};
 
-/// π/2 in three parts of 33 bits each, whose products with whole numbers up to 2²⁰ are exact.
-const HALF_PI: [f64; 3] = [
-    1.570_796_326_734_125_614_17,
-    6.077_100_506_303_965_976_60e-11,
-    2.022_266_248_711_166_455_80e-21,
-];
+/// π/2 and what its rounding has left of it: a fused multiply-add takes any number of the first from an angle exactly.
+const HALF_PI: [f64; 2] = [FRAC_PI_2, 6.123_233_995_736_766e-17];
 /// Angles beyond this are left to the standard library (rad).
 const FAR: f64 = 1e6;
 /// Added to a number below 2⁵¹, it leaves the nearest whole number in the low bits.
@@ -26,21 +22,11 @@ const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// Off by less than 2·10⁻¹⁶.
 ///
 /// # Source
-/// Reduction and polynomials of \[fdlibm\], `e_rem_pio2.c`, `k_sin.c`, `k_cos.c`
+/// Polynomials of \[fdlibm\], `k_sin.c`, `k_cos.c`
 #[inline(always)]
 pub(crate) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
-    let shifted = angle.times_plus(angle.like(FRAC_2_PI), angle.like(ROUNDING));
-    let quarters = shifted - ROUNDING;
-    let mut rest = angle;
-    for part in HALF_PI {
-        rest = quarters.times_from(angle.like(part), rest);
-    }
-    let (sine, cosine) = within_an_eighth(rest);
-    let turned = shifted.bit(1);
-    let (first, second) = (turned.select(cosine, sine), turned.select(sine, cosine));
-    let lower = shifted.bit(2);
-    let right = (shifted + 1.0).bit(2);
-    let near = (lower.select(-first, first), right.select(-second, second));
+    let (sine, cosine, opposite) = either_direction(angle);
+    let near = (opposite.select(-sine, sine), opposite.select(-cosine, cosine));
     let far = !angle.abs().at_most(angle.like(FAR));
     if !far.any() {
         return near;
@@ -50,6 +36,51 @@ pub(crate) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
         move || (angle.each(libm::sin), angle.each(libm::cos)),
     );
     (far.select(sine, near.0), far.select(cosine, near.1))
+}
+
+/// Sine and cosine of an angle that is not [`FAR`], or of the opposite direction, and where of that (rad).
+#[inline(always)]
+fn either_direction<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>, Mask<S>) {
+    let shifted = angle.times_plus(angle.like(FRAC_2_PI), angle.like(ROUNDING));
+    let quarters = shifted - ROUNDING;
+    let mut rest = angle;
+    for part in HALF_PI {
+        rest = quarters.times_from(angle.like(part), rest);
+    }
+    let (sine, cosine) = within_an_eighth(rest);
+    let turned = shifted.bit(1);
+    (turned.select(cosine, sine), turned.select(-sine, cosine), shifted.bit(2))
+}
+
+/// Gradient of a plane that tilts by an angle up to π/2 toward an azimuth (rad).
+///
+/// # Numerics
+/// Off by less than 10⁻¹⁵ of itself for tilts up to 1 rad; steeper ones, and azimuths that are [`FAR`], by [`sin_cos`].
+///
+/// # Source
+/// The ninth convergent of Lambert's continued fraction tan x = x/(1 − x²/(3 − x²/(5 − …))), whose coefficients are whole numbers.
+#[inline(always)]
+pub(crate) fn gradient<S: Simd>(azimuth: Lanes<S>, tilt: Lanes<S>) -> [Lanes<S>; 2] {
+    const ABOVE: [f64; 5] = [1.0, -990.0, 135_135.0, -4_729_725.0, 34_459_425.0];
+    const BELOW: [f64; 5] = [45.0, -13_860.0, 945_945.0, -16_216_200.0, 34_459_425.0];
+    let (sine, cosine, opposite) = either_direction(azimuth);
+    let square = tilt.squared();
+    let tangent = tilt * polynomial(square, &ABOVE) / polynomial(square, &BELOW);
+    let slope = opposite.select(-tangent, tangent);
+    let [x, y] = [slope * cosine, slope * sine];
+    let near = azimuth.abs().at_most(azimuth.like(FAR)) & tilt.abs().at_most(tilt.like(1.0));
+    if near.all() {
+        return [x, y];
+    }
+    let [any_x, any_y] = azimuth.outlined(
+        #[inline(always)]
+        move || {
+            let ((sine, cosine), (rise, run)) = (sin_cos(azimuth), sin_cos(tilt));
+            let slope = rise / run;
+            [slope * cosine, slope * sine]
+        },
+    );
+    [near.select(x, any_x), near.select(y, any_y)]
 }
 
 /// Sine and cosine of angles up to π/4 (rad).
@@ -73,12 +104,8 @@ fn within_an_eighth<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     ];
     let square = angle.squared();
     let sine = (square * angle).times_plus(polynomial(square, &SINE), angle);
-    let quartic = square.squared() * polynomial(square, &COSINE);
-    // One minus half the square, with the round-off of the subtraction put back.
-    let half = square * 0.5;
-    let most = half.like(1.0) - half;
-    let cosine = most + (((half.like(1.0) - most) - half) + quartic);
-    (sine, cosine)
+    let series = square.times_plus(polynomial(square, &COSINE), square.like(-0.5));
+    (sine, square.times_plus(series, square.like(1.0)))
 }
 
 /// Sine and cosine of angles that are mostly far below 1/32 (rad).
