@@ -134,7 +134,14 @@ impl JointPolynomials {
         let residual = self.residual(balls, &missing);
         met =
             met & residual.squared().at_most(residual.like(task.threshold * self.longest_squared));
-        Found { a, b, gaps: Gaps::Largest(residual), iterations: residual.like(0.0), met }
+        Found {
+            a,
+            b,
+            gaps: Gaps::Largest(residual),
+            laid: None,
+            iterations: residual.like(0.0),
+            met,
+        }
     }
 
     /// Largest of |L − l| = |L² − l²|/(L + l), with a bound of 1/2 L that is linear in L² (m).

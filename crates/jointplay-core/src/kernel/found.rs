@@ -22,9 +22,20 @@ pub(crate) struct Found<S: Simd> {
     /// Coordinates across ((m), (rad)).
     pub(crate) b: Three<S>,
     pub(super) gaps: Gaps<S>,
+    /// Where the triangle of the sockets is, if its sides are those of the balls to round-off.
+    pub(super) laid: Option<Laid<S>>,
     pub(crate) iterations: Lanes<S>,
     /// Where the sides are met by a triangle of the same sense as the base.
     pub(crate) met: Mask<S>,
+}
+
+/// A triangle of sockets, seen from O_p in axes of the platform.
+#[derive(Clone, Copy)]
+pub(super) struct Laid<S: Simd> {
+    /// From the first corner to the second, divided by the square of that length (1/m).
+    pub(super) side: [Lanes<S>; 2],
+    /// Centroid (m).
+    pub(super) center: [Lanes<S>; 2],
 }
 
 /// By how much the sides are not met.

@@ -25,12 +25,18 @@ pub(crate) struct Geometry {
     pub(crate) base_center: [f64; 2],
     /// Twice the signed area of the base points (m²).
     pub(crate) base_area: f64,
+    /// Its square (m⁴).
+    pub(super) base_area_squared: f64,
+    /// Sense of the base points: 1 where they are in counter-clockwise order, else −1.
+    pub(super) sense: f64,
     /// Base edges that leave and reach the first ball, reversed where the base points are in clockwise order (m).
     pub(super) first_edges: [[f64; 2]; 2],
     /// Nominal sockets (m).
     pub(crate) sockets: [[f64; 2]; 3],
     /// Centroid of the nominal sockets (m).
     pub(crate) socket_center: [f64; 2],
+    /// Nominal sockets, seen from their centroid (m).
+    pub(super) from_center: [[f64; 2]; 3],
     /// Squared sides of the nominal sockets (m²).
     pub(crate) socket_squares: [f64; 3],
     /// Whether sockets are 120° apart.
@@ -47,7 +53,8 @@ impl Geometry {
     pub(crate) fn new(base_points: &Sockets, platform: &Platform) -> Self {
         let sockets = platform.sockets();
         let base_edges = [0, 1, 2].map(|k| (base_points[(k + 1) % 3] - base_points[k]).into());
-        let center = |points: &Sockets| ((points[0] + points[1] + points[2]) / 3.0).into();
+        let center = |points: &Sockets| (points[0] + points[1] + points[2]) / 3.0;
+        let socket_center = center(sockets);
         let base_area = signed_area(base_points);
         let base_squares = base_edges.map(|[x, y]: [f64; 2]| x * x + y * y);
         Self {
@@ -55,11 +62,14 @@ impl Geometry {
             base_squares,
             base_inverse_squares: base_squares.map(|square| 1.0 / square),
             base_half_inverses: sides_of(base_points).map(|side| 0.5 / side),
-            base_center: center(base_points),
+            base_center: center(base_points).into(),
             base_area,
+            base_area_squared: base_area * base_area,
+            sense: base_area.signum(),
             first_edges: [0, 2].map(|k| base_edges[k].map(|edge: f64| edge * base_area.signum())),
             sockets: sockets.map(Into::into),
-            socket_center: center(sockets),
+            socket_center: socket_center.into(),
+            from_center: sockets.map(|socket| (socket - socket_center).into()),
             socket_squares: sides_of(sockets).map(|side| side * side),
             equally_spaced: platform.equally_spaced(),
             radii: *platform.radii(),
@@ -96,6 +106,10 @@ pub(crate) struct Task<'a> {
     pub(crate) compliance: f64,
     /// 4 · relative threshold².
     pub(crate) threshold: f64,
+    /// Sides are met where the squares of what is missing from all three squared sides have a sum below this (m⁴).
+    ///
+    /// For sides that are found to round-off: less than [`Self::threshold`] allows for any of them, whose pose has longer sides than the base.
+    pub(crate) all_missing: f64,
     /// The first step from nominal, where it pays to compute it once.
     pub(crate) first_step: Option<&'a FirstStep>,
 }
@@ -110,6 +124,9 @@ impl<'a> Task<'a> {
         characteristic_length: f64,
     ) -> Self {
         let weight = characteristic_length * characteristic_length;
+        let threshold = 4.0 * options.relative_threshold * options.relative_threshold;
+        let [l_1, l_2, l_3] = geometry.base_squares;
+        let (longest, shortest) = (l_1.max(l_2).max(l_3), l_1.min(l_2).min(l_3));
         let has_closed_form = M::CLOSED_FORM && (!M::TOWARD_SOCKET || geometry.equally_spaced);
         Self {
             geometry,
@@ -119,7 +136,8 @@ impl<'a> Task<'a> {
             },
             max_iterations: options.max_iterations,
             compliance: if M::TURNS { 1.0 / weight } else { 1.0 },
-            threshold: 4.0 * options.relative_threshold * options.relative_threshold,
+            threshold,
+            all_missing: threshold * longest * shortest,
             first_step: None,
         }
     }

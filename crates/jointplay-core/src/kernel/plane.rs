@@ -25,7 +25,7 @@ impl<S: Simd> Plane<S> {
         let x = z_3.times_from(z_3.like(y_1), z_1 * y_3);
         let y = z_1.times_from(z_1.like(x_3), z_3 * x_1);
         let z = x.like(geometry.base_area.abs());
-        let area = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
+        let area = x.times_plus(x, y.times_plus(y, z.like(geometry.base_area_squared))).sqrt();
         Self { across: [x, y, z], area }
     }
 

@@ -141,7 +141,7 @@ impl<S: Simd> Sockets<S> {
     ) -> Found<S> {
         let [t_0, t_1, t_2] = response.by_turn;
         let met = met & upright(geometry, t_0 + t_1 + t_2);
-        Found { a: self.l, b: self.phi, gaps: Gaps::Squares(missing), iterations, met }
+        Found { a: self.l, b: self.phi, gaps: Gaps::Squares(missing), laid: None, iterations, met }
     }
 }
 

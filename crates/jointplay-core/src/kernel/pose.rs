@@ -2,6 +2,7 @@
 
 use pulp::Simd;
 
+use super::found::Laid;
 use super::geometry::Geometry;
 use super::lanes::Lanes;
 use super::plane::Plane;
@@ -26,15 +27,9 @@ impl<S: Simd> PlatformPoses<S> {
     #[inline(always)]
     pub(crate) fn new(geometry: &Geometry, balls: &Balls<S>, shape: &Shape<S>) -> Self {
         let tilted = Tilted::new(&balls.plane);
-        let slope = tilted.slope;
-        let x = slope[0];
-        let (mut cosine, mut sine) = (x.like(0.0), x.like(0.0));
+        let (mut cosine, mut sine) = (balls.mean.like(0.0), balls.mean.like(0.0));
         for k in 0..3 {
-            let rise = balls.rises[k];
-            let [base_x, base_y] = geometry.base_edges[k];
-            // The edge between the balls, in axes of the plane.
-            let onto_x = slope[0].times_from(rise, x.like(base_x));
-            let onto_y = slope[1].times_from(rise, x.like(base_y));
+            let [onto_x, onto_y] = tilted.edge(geometry, balls, k);
             let [from_x, from_y] = shape.edges[k];
             cosine = from_x.times_plus(onto_x, from_y.times_plus(onto_y, cosine));
             sine = from_y.times_from(onto_x, from_x.times_plus(onto_y, sine));
@@ -45,21 +40,18 @@ impl<S: Simd> PlatformPoses<S> {
         let (cosine, sine) = (cosine * rough, sine * rough);
         let length = cosine.times_plus(cosine, sine * sine);
         let exact = length.times_from(length.like(0.5), length.like(1.5));
-        let (cosine, sine) = (cosine * exact, sine * exact);
-        let mut center = [x; 2];
-        for (axis, center) in center.iter_mut().enumerate() {
-            let [p_1, p_2, p_3] = shape.sockets;
-            *center = (p_1[axis] + p_2[axis] + p_3[axis]) * (1.0 / 3.0);
-        }
-        let center = [
-            sine.times_from(center[1], cosine * center[0]),
-            sine.times_plus(center[0], cosine * center[1]),
-        ];
-        // A second step to length one, with what is missing from it to the last digit, so that a platform without torsion has none.
-        let one = cosine.like(1.0);
-        let missing = sine.times_from(sine, cosine.times_from(cosine, one)) * 0.5;
-        let turn = [cosine.times_plus(missing, cosine), sine.times_plus(missing, sine)];
-        tilted.placed(geometry, balls, turn, center)
+        tilted.turned(geometry, balls, [cosine * exact, sine * exact], shape.center())
+    }
+
+    /// As [`Self::new`], for a triangle whose sides are those of the balls to round-off: its first side is at that of the balls.
+    #[inline(always)]
+    pub(super) fn laid(geometry: &Geometry, balls: &Balls<S>, laid: &Laid<S>) -> Self {
+        let tilted = Tilted::new(&balls.plane);
+        let [onto_x, onto_y] = tilted.edge(geometry, balls, 0);
+        let [x, y] = laid.side;
+        let cosine = x.times_plus(onto_x, y * onto_y);
+        let sine = y.times_from(onto_x, x * onto_y);
+        tilted.turned(geometry, balls, [cosine, sine], laid.center)
     }
 
     /// The platform in the plane through the balls at a known place in it.
@@ -150,6 +142,31 @@ impl<S: Simd> Tilted<S> {
         let (per_area, per_slope) = ((area + z) * both, area * both);
         let normal = [x * per_area, y * per_area, z * per_area];
         Self { normal, slope: [x * per_slope, y * per_slope] }
+    }
+
+    /// An edge between the balls, in axes of the plane.
+    #[inline(always)]
+    fn edge(&self, geometry: &Geometry, balls: &Balls<S>, k: usize) -> [Lanes<S>; 2] {
+        let ([slope_x, slope_y], rise) = (self.slope, balls.rises[k]);
+        let [base_x, base_y] = geometry.base_edges[k].map(|base| rise.like(base));
+        [slope_x.times_from(rise, base_x), slope_y.times_from(rise, base_y)]
+    }
+
+    /// Platforms with a turn whose length is one to some digits, and with the centroids of their sockets at those of the balls.
+    #[inline(always)]
+    fn turned(
+        self,
+        geometry: &Geometry,
+        balls: &Balls<S>,
+        [cosine, sine]: [Lanes<S>; 2],
+        [x, y]: [Lanes<S>; 2],
+    ) -> PlatformPoses<S> {
+        let center = [sine.times_from(y, cosine * x), sine.times_plus(x, cosine * y)];
+        // A step of Newton's method to length one, with what is missing from it to the last digit, so that a platform without torsion has none.
+        let one = cosine.like(1.0);
+        let missing = sine.times_from(sine, cosine.times_from(cosine, one)) * 0.5;
+        let turn = [cosine.times_plus(missing, cosine), sine.times_plus(missing, sine)];
+        self.placed(geometry, balls, turn, center)
     }
 
     /// Platforms with a turn, and with the centroids of their sockets at those of the balls.

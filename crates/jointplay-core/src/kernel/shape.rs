@@ -102,7 +102,7 @@ impl<S: Simd> Balls<S> {
     pub(crate) fn moderate(&self, rods: &Three<S>) -> Mask<S> {
         // Sums, since the larger of a number and none may be the number; rods differ by less than a side.
         let [l_1, l_2, l_3] = self.squares;
-        (l_1 + l_2 + (l_3 + rods[0].abs())).at_most(l_1.like(0.25 * LARGEST_LENGTH))
+        (l_1 + l_3 + l_2 + rods[0].abs()).at_most(l_1.like(0.25 * LARGEST_LENGTH))
     }
 
     /// Square of the longest side (m²).
@@ -239,12 +239,7 @@ impl<S: Simd> Shape<S> {
     /// Difference of each squared side from that of this triangle (m²).
     #[inline(always)]
     pub(crate) fn missing(&self, balls: &Balls<S>) -> Three<S> {
-        let mut missing = balls.squares;
-        for (k, missing) in missing.iter_mut().enumerate() {
-            let [x, y] = self.edges[k];
-            *missing = y.times_from(y, x.times_from(x, *missing));
-        }
-        missing
+        missing(&self.edges, balls)
     }
 
     /// Distance of each ball from the centre of its nominal socket (m).
@@ -256,6 +251,13 @@ impl<S: Simd> Shape<S> {
             *displacement = x.times_plus(x, y * y).sqrt();
         }
         displacements
+    }
+
+    /// Centroid of the sockets (m).
+    #[inline(always)]
+    pub(super) fn center(&self) -> [Lanes<S>; 2] {
+        let [p_1, p_2, p_3] = self.sockets;
+        [(p_1[0] + p_2[0] + p_3[0]) * (1.0 / 3.0), (p_1[1] + p_2[1] + p_3[1]) * (1.0 / 3.0)]
     }
 
     /// Twice the signed area (m²).
@@ -287,6 +289,16 @@ impl<S: Simd> Shape<S> {
         }
         response
     }
+}
+
+/// Difference of each squared side from that of a triangle with these edges (m²).
+#[inline(always)]
+pub(super) fn missing<S: Simd>(edges: &Vectors<S>, balls: &Balls<S>) -> Three<S> {
+    let mut missing = balls.squares;
+    for (missing, [x, y]) in missing.iter_mut().zip(edges) {
+        *missing = y.times_from(*y, x.times_from(*x, *missing));
+    }
+    missing
 }
 
 /// The first step from nominal, which is the same linear map for all poses.

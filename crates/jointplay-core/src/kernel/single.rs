@@ -9,8 +9,8 @@ use super::joint_polynomials::JointPolynomials;
 use super::lanes::Lanes;
 use super::model::Model;
 use super::pose::{InPlane, PlatformPoses};
-use super::shape::{Balls, Shape};
-use super::solve::solved;
+use super::shape::Balls;
+use super::solve::{placed, solved};
 use crate::spatial::Pose;
 use crate::virtualization::{Sides, VirtualJoints};
 
@@ -88,10 +88,7 @@ impl Single {
         let Self { balls, found, in_plane } = self;
         let placed = match *in_plane {
             Some(in_plane) => PlatformPoses::at(geometry, balls, in_plane),
-            None => {
-                let shape = Shape::at::<M>(geometry, found.a, found.b);
-                PlatformPoses::new(geometry, balls, &shape)
-            }
+            None => placed::<Scalar, M>(geometry, balls, found),
         };
         let axes = placed.axes().map(|axis| axis.map(Lanes::number));
         let rotation = Matrix3::from_columns(&axes.map(Into::into));

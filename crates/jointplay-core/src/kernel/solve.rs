@@ -5,14 +5,14 @@
 use pulp::Simd;
 
 use super::found::{
-    Found, Gaps, LEAST_NORM_STEPS, LEAST_PIVOT, NEWTON_STEPS, squared, unless, upright,
+    Found, Gaps, LEAST_NORM_STEPS, LEAST_PIVOT, Laid, NEWTON_STEPS, squared, unless, upright,
 };
 use super::geometry::{Geometry, Task};
 use super::lanes::{Lanes, Mask};
 use super::model::{self, Model};
 use super::polar;
 use super::pose::PlatformPoses;
-use super::shape::{Balls, Response, Shape, Three, first_step, within};
+use super::shape::{Balls, Response, Shape, Three, first_step, missing, within};
 use super::symmetric::{Solution, solve_symmetric};
 use crate::virtualization::Solver;
 
@@ -41,6 +41,9 @@ pub(super) fn placed<S: Simd, M: Model>(
     balls: &Balls<S>,
     found: &Found<S>,
 ) -> PlatformPoses<S> {
+    if let Some(laid) = &found.laid {
+        return PlatformPoses::laid(geometry, balls, laid);
+    }
     let shape = Shape::at::<M>(geometry, found.a, found.b);
     PlatformPoses::new(geometry, balls, &shape)
 }
@@ -172,30 +175,36 @@ pub(super) fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
 #[inline(always)]
 fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-    let area = balls.plane.area;
+    let nominal = &task.geometry.from_center;
+    let [_, [x_2, y_2], [x_3, y_3]] = *nominal;
     let [l_12, l_23, l_31] = balls.squares;
     // The triangle of the balls laid out along its first side, everything times that side: corners (0, 0), (l_12, 0), (along, up).
     let along = (l_12 + l_31 - l_23) * 0.5;
-    let up = area * task.geometry.base_area.signum();
-    let corners = [[l_12.like(0.0); 2], [l_12, l_12.like(0.0)], [along, up]];
-    let center = [(l_12 + along) * (1.0 / 3.0), up * (1.0 / 3.0)];
-    let from_center =
-        |k: usize, axis: usize| task.geometry.sockets[k][axis] - task.geometry.socket_center[axis];
-    let (mut cosine, mut sine) = (l_12 * from_center(1, 0), l_12 * from_center(1, 1));
-    cosine = along.times_plus(along.like(from_center(2, 0)), cosine);
-    cosine = up.times_plus(up.like(from_center(2, 1)), cosine);
-    sine = along.times_plus(along.like(from_center(2, 1)), sine);
-    sine = up.times_from(up.like(from_center(2, 0)), sine);
-    let scale = (cosine.times_plus(cosine, sine * sine) * l_12).sqrt().inverse();
-    let (cosine, sine) = (cosine * scale, sine * scale);
-    let mut x = [l_12; 3];
-    let mut y = [l_12; 3];
-    for k in 0..3 {
-        let from = [corners[k][0] - center[0], corners[k][1] - center[1]];
-        x[k] = sine.times_from(from[1], cosine * from[0]) - from_center(k, 0);
-        y[k] = sine.times_plus(from[0], cosine * from[1]) - from_center(k, 1);
+    let up = balls.plane.area * task.geometry.sense;
+    // The turn about its centroid that brings it nearest to the nominal sockets, not to scale.
+    let cosine = up.times_plus(up.like(y_3), along.times_plus(along.like(x_3), l_12 * x_2));
+    let sine = up.times_from(up.like(x_3), along.times_plus(along.like(y_3), l_12 * y_2));
+    let square = cosine.times_plus(cosine, sine * sine) * l_12;
+    // The root and the division side by side, and what does not need the scale meanwhile.
+    let scale = square.sqrt() * square.inverse();
+    let second = [cosine * l_12, sine * l_12];
+    let third = [sine.times_from(up, cosine * along), sine.times_plus(along, cosine * up)];
+    let mut joints = [[scale; 3]; 2];
+    for axis in 0..2 {
+        let to_first = (second[axis] + third[axis]) * (-1.0 / 3.0);
+        let corners = [to_first, second[axis] + to_first, third[axis] + to_first];
+        for k in 0..3 {
+            joints[axis][k] = corners[k].times_plus(scale, scale.like(-nominal[k][axis]));
+        }
     }
-    closed(balls, task, Shape::at::<model::Planar>(task.geometry, x, y))
+    let second = [second[0] * scale, second[1] * scale];
+    let third = [third[0] * scale, third[1] * scale];
+    let edges = [second, [third[0] - second[0], third[1] - second[1]], third];
+    let laid = Laid {
+        side: [cosine * scale, sine * scale],
+        center: task.geometry.socket_center.map(|center| scale.like(center)),
+    };
+    closed(task, joints, missing(&edges, balls), laid)
 }
 
 /// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
@@ -203,29 +212,44 @@ fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let area = balls.plane.area;
     let [l_12, l_23, l_31] = balls.squares;
-    let half = (l_12 + l_23 + l_31) * 0.5;
+    let half = (l_12 + l_31 + l_23) * 0.5;
     let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
-    // A third of one over the sum of the three slides, whose square this is: the root and the division side by side.
-    let third = square.sqrt() * (square.like(1.0 / 3.0) / square);
-    let (d_13, d_21, d_32) = (l_12 - l_23, l_23 - l_31, l_31 - l_12);
-    let slides = [
-        (square + d_13 - d_21) * third,
-        (square + d_21 - d_32) * third,
-        (square + d_32 - d_13) * third,
-    ];
+    // One over the sum of the three slides, whose square this is: the root and the division side by side.
+    let per_sum = square.sqrt() * square.inverse();
+    let third = area.times_plus(area.like(1.0 / 3.0_f64.sqrt()), half);
+    let slides = [(third - l_23) * per_sum, (third - l_31) * per_sum, (third - l_12) * per_sum];
+    let mut missing = balls.squares;
+    for (k, missing) in missing.iter_mut().enumerate() {
+        // By the law of cosines.
+        let (own, next) = (slides[k], slides[(k + 1) % 3]);
+        let [cosine, _] = task.geometry.between[k];
+        let along = next.times_plus(next.like(-2.0 * cosine), own);
+        *missing = next.times_from(next, own.times_from(along, *missing));
+    }
     let zero = square.like(0.0);
     let shape = Shape::at::<model::Radial>(task.geometry, slides, [zero; 3]);
-    let found = closed(balls, task, shape);
+    let (per_square, [first, _, _]) = (l_12.inverse(), shape.edges);
+    let laid =
+        Laid { side: [first[0] * per_square, first[1] * per_square], center: shape.center() };
+    let found = closed(task, [slides, [zero; 3]], missing, laid);
     let outward = zero.below(slides[0].min(slides[1]).min(slides[2]));
     Found { met: found.met & outward, ..found }
 }
 
-/// A triangle found without steps, and where its sides are met.
+/// Virtual joints found without steps, and where the sides are met.
+///
+/// The triangle has the sense of the base, which is far from no triangle.
 #[inline(always)]
-fn closed<S: Simd>(balls: &Balls<S>, task: &Task<'_>, shape: Shape<S>) -> Found<S> {
-    let missing = shape.missing(balls);
-    let met = within(&missing, &balls.bounds(task.threshold));
-    end(task, &shape, missing, missing[0].like(0.0), met)
+fn closed<S: Simd>(
+    task: &Task<'_>,
+    [a, b]: [Three<S>; 2],
+    missing: Three<S>,
+    laid: Laid<S>,
+) -> Found<S> {
+    let [m_1, m_2, m_3] = missing;
+    let all = m_1.times_plus(m_1, m_2.times_plus(m_2, m_3 * m_3));
+    let met = all.below(all.like(task.all_missing));
+    Found { a, b, gaps: Gaps::Squares(missing), laid: Some(laid), iterations: all.like(0.0), met }
 }
 
 /// The triangle at which steps end.
@@ -238,7 +262,7 @@ fn end<S: Simd>(
     met: Mask<S>,
 ) -> Found<S> {
     let met = met & upright(task.geometry, shape.area());
-    Found { a: shape.a, b: shape.b, gaps: Gaps::Squares(missing), iterations, met }
+    Found { a: shape.a, b: shape.b, gaps: Gaps::Squares(missing), laid: None, iterations, met }
 }
 
 /// The first step from nominal, and where the sides are independent there.
