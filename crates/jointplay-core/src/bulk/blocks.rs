@@ -4,7 +4,9 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
-use super::results::{Anything, Extent, Joints, Needs, OfPlatform, PLACES, Results, place, repeat};
+use super::results::{
+    Anything, Block, Extent, Joints, Needs, OfPlatform, PLACES, Results, place, repeat,
+};
 use super::{Column, Quantity, Status, singular_values};
 use crate::gpr::{Gpr, Limits};
 use crate::kernel::{
@@ -100,7 +102,7 @@ impl<M: Model> Blocks<'_, '_, M> {
         let count = Lanes::<S>::COUNT;
         let poses = status.len();
         let (whole, blocks) = (poses / count, poses.div_ceil(count));
-        let given = columns.map(Column::blocks::<S>);
+        let given = columns.map(|column| column.blocks(simd));
         let mut rest = [simd.splat_f64s(0.0); PLACES];
         let mut doubtful = false;
         status.fill(Status::Solved);
@@ -110,26 +112,21 @@ impl<M: Model> Blocks<'_, '_, M> {
             let mut results =
                 if part.end == whole { Results::<S>::new(wanted) } else { Results::one(&mut rest) };
             for block in part {
-                let first = block * count;
                 let [q_1, q_2, q_3] = &given;
                 let rods = [q_1.block(simd, block), q_2.block(simd, block), q_3.block(simd, block)];
                 let balls = Balls::new(task.geometry, rods);
                 let found = method.found::<S, M>(&task, &balls);
-                results.select(block - written_from);
+                let mut written = results.block(block - written_from);
                 let certain =
-                    fill::<S, M, W, E>(&mut results, needs, &method, &task, &balls, &found);
-                let mut solved = found.met & certain & balls.moderate(&rods);
+                    fill::<S, M, W, E>(&mut written, needs, &method, &task, &balls, &found);
+                let mut solved = certain & balls.moderate(&rods);
                 if let Some(limits) = &limits {
                     solved = solved & limits.holds(&rods, &balls);
                 }
                 if !solved.all() {
                     doubtful = true;
-                    let lanes = count.min(poses - first);
-                    for (lane, solved) in solved.answers()[..lanes].iter().enumerate() {
-                        if !solved {
-                            status[first + lane] = Status::NotConverged;
-                        }
-                    }
+                    let answers = &solved.answers()[..count];
+                    Status::mark(&mut status[block * count..], answers, Status::NotConverged);
                 }
             }
         }
@@ -142,10 +139,10 @@ impl<M: Model> Blocks<'_, '_, M> {
     }
 }
 
-/// Writes the values that are needed, each what [`value`](super::forward::value) is for one pose; returns the lanes whose values are valid.
+/// Writes the values that are needed, each what [`value`](super::forward::value) is for one pose; returns the lanes that are met and whose values are valid.
 #[inline(always)]
 fn fill<S: Simd, M: Model, W: Method, E: Extent>(
-    results: &mut Results<'_, S>,
+    results: &mut Block<'_, '_, S>,
     needs: &Needs,
     method: &W,
     task: &Task<'_>,
@@ -153,7 +150,7 @@ fn fill<S: Simd, M: Model, W: Method, E: Extent>(
     found: &Found<S>,
 ) -> Mask<S> {
     let zero = balls.mean.like(0.0);
-    let mut certain = zero.at_most(zero);
+    let mut certain = found.met;
     if E::ANYTHING && needs.iterations {
         results.put(Quantity::Iterations, found.iterations);
     }
@@ -229,7 +226,7 @@ fn fill<S: Simd, M: Model, W: Method, E: Extent>(
         for (index, value) in singular_values.into_iter().enumerate() {
             results.put(Quantity::Sensitivity(index), value);
         }
-        certain = orthogonal;
+        certain = certain & orthogonal;
     }
     certain
 }
@@ -237,7 +234,7 @@ fn fill<S: Simd, M: Model, W: Method, E: Extent>(
 /// Angles of the tilt, and the height.
 #[inline(always)]
 fn fill_coordinates<S: Simd>(
-    results: &mut Results<'_, S>,
+    results: &mut Block<'_, '_, S>,
     needs: &Needs,
     placed: &PlatformPoses<S>,
 ) {

@@ -64,18 +64,19 @@ impl<'a> Column<'a> {
 
     /// The column in blocks of as many entries as a register holds.
     #[inline(always)]
-    pub(super) fn blocks<S: Simd>(self) -> ColumnBlocks<'a, S> {
+    pub(super) fn blocks<S: Simd>(self, simd: S) -> ColumnBlocks<'a, S> {
         let contiguous = if self.stride == 1 { &self.values[..self.len] } else { &[] };
         let (registers, _) = S::as_simd_f64s(contiguous);
-        ColumnBlocks { registers, column: self }
+        let same = match self.values {
+            [first, ..] if self.stride == 0 => Some(Lanes::splat(simd, *first)),
+            _ => None,
+        };
+        ColumnBlocks { registers, same, column: self }
     }
 
     /// The entries from `first` on, side by side; beyond the end the last one again.
     #[inline(always)]
     fn lanes<S: Simd>(&self, simd: S, first: usize) -> Lanes<S> {
-        if self.stride == 0 {
-            return Lanes::splat(simd, self.at(0));
-        }
         let mut numbers = [0.0; MOST];
         self.gather(first, &mut numbers[..Lanes::<S>::COUNT]);
         Lanes::of(simd, &numbers[..Lanes::<S>::COUNT])
@@ -110,6 +111,8 @@ impl<'a> Column<'a> {
 pub(super) struct ColumnBlocks<'a, S: Simd> {
     /// The whole blocks of a contiguous column; none of another.
     registers: &'a [S::f64s],
+    /// The entries of every block, where all of them are the same.
+    same: Option<Lanes<S>>,
     column: Column<'a>,
 }
 
@@ -117,9 +120,10 @@ impl<S: Simd> ColumnBlocks<'_, S> {
     /// The entries of a block; beyond the end the last one again.
     #[inline(always)]
     pub(super) fn block(&self, simd: S, block: usize) -> Lanes<S> {
-        match self.registers.get(block) {
-            Some(register) => Lanes::from_register(simd, *register),
-            None => self.column.lanes(simd, block * Lanes::<S>::COUNT),
+        match (self.registers.get(block), self.same) {
+            (Some(register), _) => Lanes::from_register(simd, *register),
+            (None, Some(same)) => same,
+            (None, None) => self.column.lanes(simd, block * Lanes::<S>::COUNT),
         }
     }
 }

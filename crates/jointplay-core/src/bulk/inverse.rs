@@ -83,7 +83,7 @@ impl WithSimd for Blocks<'_> {
     fn with_simd<S: Simd>(mut self, simd: S) -> Result<(), Error> {
         let tilts = self.status.len();
         let count = Lanes::<S>::COUNT;
-        let [azimuths, angles, heights] = self.given.map(Column::blocks::<S>);
+        let [azimuths, angles, heights] = self.given.map(|column| column.blocks(simd));
         let (points, bounds) = (self.gpr.base_points().map(Into::into), self.bounds);
         let status = &mut *self.status;
         status.fill(Status::Solved);
@@ -108,12 +108,8 @@ impl WithSimd for Blocks<'_> {
             }
             if !reached.all() {
                 doubtful = true;
-                let answers = reached.answers();
-                for (status, reached) in status[block * count..].iter_mut().zip(&answers[..count]) {
-                    if !reached {
-                        *status = Status::TiltTooLarge;
-                    }
-                }
+                let answers = &reached.answers()[..count];
+                Status::mark(&mut status[block * count..], answers, Status::TiltTooLarge);
             }
         }
         if doubtful { self.one_by_one() } else { Ok(()) }

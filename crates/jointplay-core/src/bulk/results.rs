@@ -123,9 +123,14 @@ pub(super) fn place(quantity: Quantity) -> usize {
     }
 }
 
-/// Columns of registers, one for each place, and the register that is written; empty where nothing is wanted.
+/// Columns of registers, one for each place; empty where nothing is wanted.
 pub(super) struct Results<'c, S: Simd> {
     columns: [&'c mut [S::f64s]; PLACES],
+}
+
+/// The registers of one block of poses.
+pub(super) struct Block<'r, 'c, S: Simd> {
+    results: &'r mut Results<'c, S>,
     block: usize,
 }
 
@@ -140,23 +145,24 @@ impl<'c, S: Simd> Results<'c, S> {
                 (columns[place], _) = S::as_mut_simd_f64s(column);
             }
         }
-        Self { columns, block: 0 }
+        Self { columns }
     }
 
     /// One register for each quantity.
     pub(super) fn one(registers: &'c mut [S::f64s; PLACES]) -> Self {
-        Self { columns: registers.each_mut().map(std::slice::from_mut), block: 0 }
+        Self { columns: registers.each_mut().map(std::slice::from_mut) }
     }
 
-    /// Writes to the registers of a block from now on.
     #[inline(always)]
-    pub(super) fn select(&mut self, block: usize) {
-        self.block = block;
+    pub(super) fn block(&mut self, block: usize) -> Block<'_, 'c, S> {
+        Block { results: self, block }
     }
+}
 
+impl<S: Simd> Block<'_, '_, S> {
     #[inline(always)]
     pub(super) fn put(&mut self, quantity: Quantity, value: Lanes<S>) {
-        if let Some(register) = self.columns[place(quantity)].get_mut(self.block) {
+        if let Some(register) = self.results.columns[place(quantity)].get_mut(self.block) {
             *register = value.register();
         }
     }

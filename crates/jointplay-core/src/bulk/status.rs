@@ -54,6 +54,18 @@ impl Status {
         }
     }
 
+    /// Gives the poses of a block that are not solved another status than solved.
+    // Apart from the loops over blocks, whose registers its indices would take.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn mark(statuses: &mut [Self], solved: &[bool], otherwise: Self) {
+        for (status, solved) in statuses.iter_mut().zip(solved) {
+            if !solved {
+                *status = otherwise;
+            }
+        }
+    }
+
     /// The status of a pose that fails with an error; `None` for errors that concern all poses alike.
     #[must_use]
     pub fn from_error(error: &Error) -> Option<Self> {
