@@ -37,6 +37,8 @@ pub(crate) struct Geometry {
     pub(crate) socket_center: [f64; 2],
     /// Nominal sockets, seen from their centroid (m).
     pub(super) from_center: [[f64; 2]; 3],
+    /// With f_k the nominal sockets seen from their centroid: −f_i · f_j for each side, and 2 |f_1 × f_2| (m²).
+    pub(super) fit: ([f64; 3], f64),
     /// Squared sides of the nominal sockets (m²).
     pub(crate) socket_squares: [f64; 3],
     /// Whether sockets are 120° apart.
@@ -55,6 +57,7 @@ impl Geometry {
         let base_edges = [0, 1, 2].map(|k| (base_points[(k + 1) % 3] - base_points[k]).into());
         let center = |points: &Sockets| (points[0] + points[1] + points[2]) / 3.0;
         let socket_center = center(sockets);
+        let from_center = sockets.map(|socket| socket - socket_center);
         let base_area = signed_area(base_points);
         let base_squares = base_edges.map(|[x, y]: [f64; 2]| x * x + y * y);
         Self {
@@ -69,7 +72,11 @@ impl Geometry {
             first_edges: [0, 2].map(|k| base_edges[k].map(|edge: f64| edge * base_area.signum())),
             sockets: sockets.map(Into::into),
             socket_center: socket_center.into(),
-            from_center: sockets.map(|socket| (socket - socket_center).into()),
+            from_center: from_center.map(Into::into),
+            fit: (
+                [0, 1, 2].map(|k| -from_center[k].dot(&from_center[(k + 1) % 3])),
+                2.0 * from_center[0].perp(&from_center[1]).abs(),
+            ),
             socket_squares: sides_of(sockets).map(|side| side * side),
             equally_spaced: platform.equally_spaced(),
             radii: *platform.radii(),

@@ -180,13 +180,17 @@ fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let [l_12, l_23, l_31] = balls.squares;
     // The triangle of the balls laid out along its first side, everything times that side: corners (0, 0), (l_12, 0), (along, up).
     let along = (l_12 + l_31 - l_23) * 0.5;
-    let up = balls.plane.area * task.geometry.sense;
+    let area = balls.plane.area;
+    let up = area * task.geometry.sense;
     // The turn about its centroid that brings it nearest to the nominal sockets, not to scale.
     let cosine = up.times_plus(up.like(y_3), along.times_plus(along.like(x_3), l_12 * x_2));
     let sine = up.times_from(up.like(x_3), along.times_plus(along.like(y_3), l_12 * y_2));
-    let square = cosine.times_plus(cosine, sine * sine) * l_12;
+    // Its length, for the triangle to scale: |Σ c_k f_k|² of complex numbers is linear in squared sides and area of the c_k.
+    let ([k_12, k_23, k_31], by_area) = task.geometry.fit;
+    let square = l_31.times_plus(l_31.like(k_31), l_12.times_plus(l_12.like(k_12), l_23 * k_23));
+    let square = area.times_plus(area.like(by_area), square);
     // The root and the division side by side, and what does not need the scale meanwhile.
-    let scale = square.sqrt() * square.inverse();
+    let scale = square.sqrt() * (square * l_12).inverse();
     let second = [cosine * l_12, sine * l_12];
     let third = [sine.times_from(up, cosine * along), sine.times_plus(along, cosine * up)];
     let mut joints = [[scale; 3]; 2];
