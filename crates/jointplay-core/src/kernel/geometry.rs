@@ -19,8 +19,8 @@ pub(crate) struct Geometry {
     pub(crate) base_squares: [f64; 3],
     /// Inverses of their squared lengths (1/m²).
     pub(super) base_inverse_squares: [f64; 3],
-    /// Halves of the inverses of their lengths (1/m).
-    pub(super) base_half_inverses: [f64; 3],
+    /// Coefficients of 1, L² and L⁴ in a series of 1/(2 L) about each of their lengths, see [`Balls::residual`](super::shape::Balls::residual).
+    pub(super) half_inverses: [[f64; 3]; 3],
     /// Centroid of the base points (m).
     pub(crate) base_center: [f64; 2],
     /// Twice the signed area of the base points (m²).
@@ -59,12 +59,16 @@ impl Geometry {
         let socket_center = center(sockets);
         let from_center = sockets.map(|socket| socket - socket_center);
         let base_area = signed_area(base_points);
+        let sides = sides_of(base_points);
         let base_squares = base_edges.map(|[x, y]: [f64; 2]| x * x + y * y);
         Self {
             base_edges,
             base_squares,
             base_inverse_squares: base_squares.map(|square| 1.0 / square),
-            base_half_inverses: sides_of(base_points).map(|side| 0.5 / side),
+            half_inverses: [0, 1, 2].map(|k| {
+                let (square, half) = (base_squares[k], 0.5 / sides[k]);
+                [1.875 * half, -1.25 * half / square, 0.375 * half / square / square]
+            }),
             base_center: center(base_points).into(),
             base_area,
             base_area_squared: base_area * base_area,

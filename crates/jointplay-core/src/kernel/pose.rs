@@ -40,7 +40,12 @@ impl<S: Simd> PlatformPoses<S> {
         let (cosine, sine) = (cosine * rough, sine * rough);
         let length = cosine.times_plus(cosine, sine * sine);
         let exact = length.times_from(length.like(0.5), length.like(1.5));
-        tilted.turned(geometry, balls, [cosine * exact, sine * exact], shape.center())
+        let (cosine, sine) = (cosine * exact, sine * exact);
+        // A second step to length one, with what is missing from it to the last digit, so that a platform without torsion has none.
+        let one = cosine.like(1.0);
+        let missing = sine.times_from(sine, cosine.times_from(cosine, one)) * 0.5;
+        let turn = [cosine.times_plus(missing, cosine), sine.times_plus(missing, sine)];
+        tilted.turned(geometry, balls, turn, shape.center())
     }
 
     /// As [`Self::new`], for a triangle whose sides are those of the balls to round-off: its first side is at that of the balls.
@@ -138,7 +143,7 @@ impl<S: Simd> Tilted<S> {
     fn new(plane: &Plane<S>) -> Self {
         let ([x, y, z], area) = (plane.across, plane.area);
         // With n the normal: 1/(area (area + z)) gives both n and n/(1 + n_z) in one division.
-        let both = ((area + z) * area).inverse();
+        let both = z.times_plus(area, area * area).inverse();
         let (per_area, per_slope) = ((area + z) * both, area * both);
         let normal = [x * per_area, y * per_area, z * per_area];
         Self { normal, slope: [x * per_slope, y * per_slope] }
@@ -152,20 +157,17 @@ impl<S: Simd> Tilted<S> {
         [slope_x.times_from(rise, base_x), slope_y.times_from(rise, base_y)]
     }
 
-    /// Platforms with a turn whose length is one to some digits, and with the centroids of their sockets at those of the balls.
+    /// Platforms with a turn, and with the centroids of their sockets, seen from O_p, at those of the balls.
     #[inline(always)]
     fn turned(
         self,
         geometry: &Geometry,
         balls: &Balls<S>,
-        [cosine, sine]: [Lanes<S>; 2],
+        turn: [Lanes<S>; 2],
         [x, y]: [Lanes<S>; 2],
     ) -> PlatformPoses<S> {
+        let [cosine, sine] = turn;
         let center = [sine.times_from(y, cosine * x), sine.times_plus(x, cosine * y)];
-        // A step of Newton's method to length one, with what is missing from it to the last digit, so that a platform without torsion has none.
-        let one = cosine.like(1.0);
-        let missing = sine.times_from(sine, cosine.times_from(cosine, one)) * 0.5;
-        let turn = [cosine.times_plus(missing, cosine), sine.times_plus(missing, sine)];
         self.placed(geometry, balls, turn, center)
     }
 

@@ -61,24 +61,23 @@ impl<S: Simd> Balls<S> {
     /// By the series up to a tilt of 14°: never too small, and too large by 0.01 % of itself at most.
     #[inline(always)]
     pub(crate) fn residual(&self, geometry: &Geometry, missing: &Three<S>) -> Lanes<S> {
-        let (mut shares, mut slopes) = (*missing, *missing);
-        for k in 0..3 {
-            let slope = self.squares[k] * geometry.base_inverse_squares[k] - 1.0;
-            let series = slope.times_plus(slope.like(0.375), slope.like(-0.5));
-            let inverse =
-                slope.times_plus(series, slope.like(1.0)) * geometry.base_half_inverses[k];
-            shares[k] = missing[k].abs() * inverse;
-            slopes[k] = slope;
+        let mut shares = *missing;
+        for (k, share) in shares.iter_mut().enumerate() {
+            let (square, [constant, linear, quadratic]) =
+                (self.squares[k], geometry.half_inverses[k]);
+            let series = square.times_plus(square.like(quadratic), square.like(linear));
+            *share = share.abs() * square.times_plus(series, square.like(constant));
         }
         let [a, b, c] = shares;
         let by_series = a.max(b).max(c);
-        let [a, b, c] = slopes;
-        let flat = (a + b + c).at_most(a.like(0.1));
+        let ([l_1, l_2, l_3], [i_1, i_2, i_3]) = (self.squares, geometry.base_inverse_squares);
+        // The squared slopes along the sides have a sum of at most 0.1.
+        let stretched = l_1.times_plus(a.like(i_1), l_2.times_plus(a.like(i_2), l_3 * i_3));
+        let flat = stretched.at_most(a.like(3.1));
         if flat.all() {
             return by_series;
         }
         let [m_1, m_2, m_3] = *missing;
-        let [l_1, l_2, l_3] = self.squares;
         // Each share times the product of all squares, so that one division is enough.
         let (a, b, c) = (m_1.squared() * l_2, m_2.squared() * l_1, m_3.squared() * l_2);
         let worst = (a.max(b) * l_3).max(c * l_1);
