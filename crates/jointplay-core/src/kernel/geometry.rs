@@ -21,6 +21,8 @@ pub(crate) struct Geometry {
     pub(super) base_inverse_squares: [f64; 3],
     /// Coefficients of 1, L² and L⁴ in a series of 1/(2 L) about each of their lengths, see [`Balls::residual`](super::shape::Balls::residual).
     pub(super) half_inverses: [[f64; 3]; 3],
+    /// Product of the squares of their longest and shortest lengths (m⁴).
+    extremes: f64,
     /// Centroid of the base points (m).
     pub(crate) base_center: [f64; 2],
     /// Twice the signed area of the base points (m²).
@@ -61,6 +63,7 @@ impl Geometry {
         let base_area = signed_area(base_points);
         let sides = sides_of(base_points);
         let base_squares = base_edges.map(|[x, y]: [f64; 2]| x * x + y * y);
+        let [l_1, l_2, l_3] = base_squares;
         Self {
             base_edges,
             base_squares,
@@ -69,6 +72,7 @@ impl Geometry {
                 let (square, half) = (base_squares[k], 0.5 / sides[k]);
                 [1.875 * half, -1.25 * half / square, 0.375 * half / square / square]
             }),
+            extremes: l_1.max(l_2).max(l_3) * l_1.min(l_2).min(l_3),
             base_center: center(base_points).into(),
             base_area,
             base_area_squared: base_area * base_area,
@@ -136,8 +140,6 @@ impl<'a> Task<'a> {
     ) -> Self {
         let weight = characteristic_length * characteristic_length;
         let threshold = 4.0 * options.relative_threshold * options.relative_threshold;
-        let [l_1, l_2, l_3] = geometry.base_squares;
-        let (longest, shortest) = (l_1.max(l_2).max(l_3), l_1.min(l_2).min(l_3));
         let has_closed_form = M::CLOSED_FORM && (!M::TOWARD_SOCKET || geometry.equally_spaced);
         Self {
             geometry,
@@ -148,7 +150,7 @@ impl<'a> Task<'a> {
             max_iterations: options.max_iterations,
             compliance: if M::TURNS { 1.0 / weight } else { 1.0 },
             threshold,
-            all_missing: threshold * longest * shortest,
+            all_missing: threshold * geometry.extremes,
             first_step: None,
         }
     }

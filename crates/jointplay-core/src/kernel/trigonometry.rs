@@ -355,6 +355,18 @@ mod tests {
             sin_cos_of_step(a).1
         }
     }
+    struct GradientX;
+    impl OfTwo for GradientX {
+        fn call<S: Simd>(&self, a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+            gradient(a, b)[0]
+        }
+    }
+    struct GradientY;
+    impl OfTwo for GradientY {
+        fn call<S: Simd>(&self, a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+            gradient(a, b)[1]
+        }
+    }
     struct AngleOf;
     impl OfTwo for AngleOf {
         fn call<S: Simd>(&self, a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
@@ -388,6 +400,17 @@ mod tests {
         check(Cosine, &angles, &angles, |a, _| a.cos(), 2.3e-16);
         check(StepSine, &angles, &angles, |a, _| a.sin(), 2.3e-16);
         check(StepCosine, &angles, &angles, |a, _| a.cos(), 2.3e-16);
+    }
+
+    #[test]
+    fn gradients() {
+        let azimuths = angles();
+        for steepest in [0.05, 0.999, 1.4] {
+            let tilts: Vec<f64> =
+                (0..azimuths.len()).map(|i| steepest * (i as f64 * 0.37).sin()).collect();
+            check(GradientX, &azimuths, &tilts, |a, t| t.tan() * a.cos(), 1e-15 * steepest.tan());
+            check(GradientY, &azimuths, &tilts, |a, t| t.tan() * a.sin(), 1e-15 * steepest.tan());
+        }
     }
 
     #[test]
