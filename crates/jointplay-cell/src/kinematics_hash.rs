@@ -1,7 +1,5 @@
 //! Hash of the inputs of all poses of a cell.
 
-use std::hash::{DefaultHasher, Hash as _, Hasher as _};
-
 use crate::incremental::CacheKey;
 use crate::workcell::Cell;
 
@@ -13,8 +11,6 @@ impl Cell {
     pub fn kinematics_hash(&self) -> u64 {
         let mut inputs = CacheKey::default();
         inputs.add(&self.robot).add(&self.wafer).add(&self.gravity);
-        let mut hasher = DefaultHasher::new();
-        inputs.hash(&mut hasher);
-        hasher.finish()
+        inputs.finish()
     }
 }

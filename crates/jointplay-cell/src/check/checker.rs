@@ -1,6 +1,6 @@
 //! The check of all steps of a trajectory, with results of the last check reused.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::convert::Infallible;
 
 use super::aggregate::Aggregator;
@@ -103,7 +103,7 @@ impl CheckCache {
                 (findings, candidates, distances)
             })
         })?;
-        let mut new_distances: BTreeMap<CacheKey, PairResults> = BTreeMap::new();
+        let mut new_distances: HashMap<CacheKey, PairResults> = HashMap::new();
         let (mut findings, mut new_candidates) = (Vec::with_capacity(keys.len()), BTreeMap::new());
         for (index, key) in keys.iter().enumerate() {
             let compute = || {

@@ -1,6 +1,6 @@
 //! Results of the previous and of the present generation, by their cache keys.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::cache_key::CacheKey;
@@ -20,14 +20,14 @@ pub struct CacheStats {
 pub(crate) struct GenerationalCache<T> {
     /// Inputs that all results share.
     shared: CacheKey,
-    previous: BTreeMap<CacheKey, Arc<T>>,
-    current: BTreeMap<CacheKey, Arc<T>>,
+    previous: HashMap<CacheKey, Arc<T>>,
+    current: HashMap<CacheKey, Arc<T>>,
     stats: CacheStats,
 }
 
 impl<T> Default for GenerationalCache<T> {
     fn default() -> Self {
-        let (previous, current) = (BTreeMap::new(), BTreeMap::new());
+        let (previous, current) = (HashMap::new(), HashMap::new());
         Self { shared: CacheKey::default(), previous, current, stats: CacheStats::default() }
     }
 }
@@ -36,7 +36,7 @@ impl<T> GenerationalCache<T> {
     /// Begins a generation; all results are invalidated where the shared inputs have changed.
     pub(crate) fn begin(&mut self, shared: &CacheKey) {
         // `current` still holds the results of a generation that did not end, because it was interrupted.
-        self.previous.append(&mut self.current);
+        self.previous.extend(self.current.drain());
         self.stats = CacheStats::default();
         if self.shared != *shared {
             self.previous.clear();

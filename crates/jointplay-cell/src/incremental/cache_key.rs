@@ -1,11 +1,31 @@
 //! Cache keys: all inputs of a computation, bit by bit.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
 
 /// All inputs of a computation, bit by bit; equal cache keys mean equal results.
-#[derive(Debug, Clone, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct CacheKey(Vec<u64>);
+#[derive(Debug, Clone, Default)]
+pub(crate) struct CacheKey {
+    words: Vec<u64>,
+    /// Has all words: keys are long, and each is looked up several times.
+    hasher: DefaultHasher,
+}
+
+impl PartialEq for CacheKey {
+    fn eq(&self, other: &Self) -> bool {
+        self.words == other.words
+    }
+}
+
+impl Eq for CacheKey {}
+
+impl Hash for CacheKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u64(self.finish());
+    }
+}
 
 /// Value that can be an input of a computation.
 ///
@@ -16,6 +36,16 @@ pub(crate) trait CacheKeyPart {
 }
 
 impl CacheKey {
+    /// Hash of all inputs.
+    pub(crate) fn finish(&self) -> u64 {
+        self.hasher.finish()
+    }
+
+    fn push(&mut self, word: u64) {
+        self.words.push(word);
+        self.hasher.write_u64(word);
+    }
+
     /// Appends a value.
     pub(crate) fn add<T: CacheKeyPart + ?Sized>(&mut self, value: &T) -> &mut Self {
         value.append_to(self);
@@ -31,44 +61,44 @@ impl CacheKey {
 
 impl CacheKeyPart for CacheKey {
     fn append_to(&self, key: &mut CacheKey) {
-        key.0.extend(&self.0);
+        self.words.iter().for_each(|&word| key.push(word));
     }
 }
 
 impl CacheKeyPart for u64 {
     fn append_to(&self, key: &mut CacheKey) {
-        key.0.push(*self);
+        key.push(*self);
     }
 }
 
 impl CacheKeyPart for u32 {
     fn append_to(&self, key: &mut CacheKey) {
-        key.0.push(u64::from(*self));
+        key.push(u64::from(*self));
     }
 }
 
 impl CacheKeyPart for usize {
     fn append_to(&self, key: &mut CacheKey) {
-        key.0.push(*self as u64);
+        key.push(*self as u64);
     }
 }
 
 impl CacheKeyPart for bool {
     fn append_to(&self, key: &mut CacheKey) {
-        key.0.push(u64::from(*self));
+        key.push(u64::from(*self));
     }
 }
 
 impl CacheKeyPart for f64 {
     fn append_to(&self, key: &mut CacheKey) {
-        key.0.push(self.to_bits());
+        key.push(self.to_bits());
     }
 }
 
 impl CacheKeyPart for str {
     fn append_to(&self, key: &mut CacheKey) {
         self.len().append_to(key);
-        key.0.extend(self.bytes().map(u64::from));
+        self.bytes().for_each(|byte| key.push(u64::from(byte)));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Parallel map over independent jobs.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{HashMap, HashSet};
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
@@ -34,8 +34,8 @@ pub(crate) fn compute_missing<'f, T: Send>(
     inputs: impl Iterator<Item = (usize, &'f CacheKey)>,
     context: JobContext<'_>,
     compute: impl Fn(usize) -> T + Sync,
-) -> Result<BTreeMap<CacheKey, T>, Interrupted> {
-    let mut seen = BTreeSet::new();
+) -> Result<HashMap<CacheKey, T>, Interrupted> {
+    let mut seen = HashSet::new();
     let jobs: Vec<(usize, &CacheKey)> = inputs.filter(|(_, key)| seen.insert(*key)).collect();
     let results = parallel_map(jobs.len(), context, |job| compute(jobs[job].0))?;
     Ok(jobs.into_iter().map(|(_, key)| key.clone()).zip(results).collect())

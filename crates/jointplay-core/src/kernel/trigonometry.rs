@@ -58,7 +58,7 @@ fn either_direction<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>, Mask<S>) {
 /// Off by less than 10⁻¹⁵ of itself for tilts up to 1 rad; steeper ones, and azimuths that are [`FAR`], by [`sin_cos`].
 ///
 /// # Source
-/// The ninth convergent of Lambert's continued fraction tan x = x/(1 − x²/(3 − x²/(5 − …))), whose coefficients are whole numbers.
+/// \[Lambert\], the ninth convergent of tan x = x/(1 − x²/(3 − x²/(5 − …))), whose coefficients are whole numbers
 #[inline(always)]
 pub(crate) fn gradient<S: Simd>(azimuth: Lanes<S>, tilt: Lanes<S>) -> [Lanes<S>; 2] {
     const ABOVE: [f64; 5] = [1.0, -990.0, 135_135.0, -4_729_725.0, 34_459_425.0];
