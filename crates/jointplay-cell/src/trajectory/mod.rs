@@ -16,6 +16,7 @@
 //! | `quintic_interpolation` | positions between the points of a path |
 //! | `cartesian_path` | straight lines of the wafer, followed by inverse kinematics |
 //! | `squared_rate`, `collocation`, `rate_constraints`, `rate_search` | the fastest parameterization of a path: variables, places of constraints, constraints, interior-point method |
+//! | `rate_lanes` | successive intervals of a squared rate, computed side by side |
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
 //! | `slip` | slowdown of segments on which a wafer would slip |
 //! | `lift` | steps that differ by a common height of all rods |
