@@ -27,7 +27,6 @@ pub(super) struct CollocationPath<'a> {
 }
 
 /// What is constrained at a collocation point.
-#[derive(Default)]
 pub(super) struct CollocationPoint {
     pub(super) interval: usize,
     pub(super) has_jerk: bool,

@@ -242,7 +242,7 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
 
 /// Virtual joints found without steps, and where the sides are met.
 ///
-/// The triangle has the sense of the base, which is far from no triangle.
+/// The triangle has the sense of the base by construction, and with sides that are met an area: bases have a least height.
 #[inline(always)]
 fn closed<S: Simd>(
     task: &Task<'_>,
