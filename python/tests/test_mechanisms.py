@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import io
+import json
 import math
 import pickle
 import re
@@ -636,6 +637,16 @@ def test_motions_and_models_are_exported(tmp_path, ask):
         motion.to_gltf(tmp_path / "no.glb", parts=parts, table={"platfrom": "rod 1"})
     with pytest.raises(jp.InputError, match="duration"):
         motion.to_gltf(tmp_path / "no.glb", duration_s=0)
+    times = np.geomspace(0.5, 4.0, 13)
+    motion.to_gltf(tmp_path / "timed.glb", times_s=times, exaggerate=500)
+    timed = (tmp_path / "timed.glb").read_bytes()
+    document = json.loads(timed[20 : 20 + int.from_bytes(timed[12:16], "little")])
+    inputs = [document["accessors"][sampler["input"]] for sampler in document["animations"][0]["samplers"]]
+    assert all(one["min"] == [0.5] and one["max"] == [4.0] for one in inputs)
+    with pytest.raises(jp.InputError, match="a time for each of 13 configurations, got 2"):
+        motion.to_gltf(tmp_path / "no.glb", times_s=[0, 1])
+    with pytest.raises(jp.InputError, match="must grow"):
+        motion.to_gltf(tmp_path / "no.glb", times_s=times[::-1])
     assert not (tmp_path / "no.glb").exists()
     model = mechanism.to_model("urdf", {"rod 1": 0.001})
     assert model.text.startswith("<?xml") and 'kind = "loops"' in model.loops and model.lost

@@ -211,3 +211,30 @@ fn loaded_lines_on_little_friction_exceed_those_of_another_method_by_at_most_thr
         }
     }
 }
+
+/// Round-off moved the arm's first axis by 10⁻¹⁵ rad along radial lines, which counted as motion.
+#[test]
+fn an_axis_that_stays_within_the_accuracy_of_a_line_is_at_rest() {
+    let mut at_rest = 0;
+    for sideways in [0.0, 0.3e-3, 0.7e-3] {
+        let cell = example_with_moved_port(0.0, sideways);
+        let steps = expand(&cell, &program::parse(GET_AND_PUT).unwrap()).unwrap();
+        let trajectory = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+        for (index, step) in trajectory.steps.iter().enumerate() {
+            if !matches!(step.path, Path::Line(_)) || step.from == step.to {
+                continue;
+            }
+            let duration = trajectory.intrinsic_step_duration(index);
+            let moving = trajectory.moving_axes(index);
+            for axis in (0..step.from.len()).filter(|&axis| step.from[axis] == step.to[axis]) {
+                let moved = (0..=100)
+                    .map(|k| trajectory.sample_in_step(index, duration * f64::from(k) / 100.0))
+                    .map(|sample| (sample.positions[axis] - step.from[axis]).abs())
+                    .fold(0.0, f64::max);
+                assert_eq!(moved > 1e-12, moving.contains(&axis), "{index} {axis}: {moved:e}");
+                at_rest += usize::from(moved == 0.0);
+            }
+        }
+    }
+    assert!(at_rest > 20, "{at_rest}");
+}

@@ -5,6 +5,7 @@ use jointplay_core::mechanism::{Mechanism, assemble, drive, guess};
 use jointplay_format::{catalogue, mechanism};
 use jointplay_interop::export::{
     Error, KEY_TOLERANCE, MechanismMotion, PartTable, PartsError, PartsFile, UpAxis,
+    proportional_times,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -18,7 +19,11 @@ fn with_motion<T>(answer: impl FnOnce(&MechanismMotion<'_>, &Mechanism) -> T) ->
     let drives = [Drive { coordinate: 0, to: start[0] + 1.5 }];
     let moved = drive(&system, &drives, &free, 12).unwrap();
     let configurations = moved.waypoints.iter().map(|waypoint| &waypoint.coordinates);
-    let motion = MechanismMotion::new(&linkage, &start, configurations, 2.0, 1.0).unwrap();
+    // The first half takes three quarters of the time.
+    let times =
+        (0..=12).map(|k| if k < 6 { 0.25 * f64::from(k) } else { 1.0 + f64::from(k) / 12.0 });
+    let times = times.collect();
+    let motion = MechanismMotion::new(&linkage, &start, configurations, times, 1.0).unwrap();
     answer(&motion, &linkage)
 }
 
@@ -199,5 +204,53 @@ proptest! {
                 let _ = motion.gltf_of_parts(&parts, &table, UpAxis::Y, KEY_TOLERANCE);
             });
         }
+    }
+}
+
+/// Times at which the keys of an accessor are, in a binary glTF file.
+fn numbers(file: &[u8], document: &Value, accessor: &Value) -> Vec<f64> {
+    let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+    let binary = &file[28 + word(12)..];
+    let number = |value: &Value| value.as_u64().unwrap_or(0) as usize;
+    let accessor = &document["accessors"][number(accessor)];
+    let view = &document["bufferViews"][number(&accessor["bufferView"])];
+    let start = number(&view["byteOffset"]) + number(&accessor["byteOffset"]);
+    let single = |k: usize| f32::from_le_bytes(binary[start + 4 * k..][..4].try_into().unwrap());
+    (0..number(&accessor["count"])).map(|k| f64::from(single(k))).collect()
+}
+
+/// Steps of a table with times were shown at equal intervals.
+#[test]
+fn configurations_are_shown_at_their_times() {
+    with_motion(|motion, _| {
+        let file = motion.gltf(1e-9).unwrap();
+        let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+        let document: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+        let samplers = document["animations"][0]["samplers"].as_array().unwrap();
+        let times = samplers.iter().map(|sampler| numbers(&file, &document, &sampler["input"]));
+        let most = times.max_by_key(Vec::len).unwrap();
+        assert_eq!(most.len(), 13, "{most:?}");
+        assert!((most[5] - 1.25).abs() < 1e-6 && (most[6] - 1.5).abs() < 1e-6, "{most:?}");
+        assert!((most[7] - 1.0 - 7.0 / 12.0).abs() < 1e-6 && most[12] == 2.0, "{most:?}");
+    });
+}
+
+#[test]
+fn times_grow_and_are_as_many_as_configurations() {
+    assert_eq!(proportional_times(2.0, &[3.0, 5.0, 7.0]).unwrap(), [0.0, 1.0, 2.0]);
+    assert_eq!(proportional_times(2.0, &[-3.0]).unwrap(), [0.0]);
+    assert!(proportional_times(2.0, &[]).unwrap().is_empty());
+    for duration in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(proportional_times(duration, &[0.0, 1.0]), Err(Error::Duration { .. })));
+    }
+    let linkage = mechanism::parse(catalogue::find("four-bar").unwrap().text).unwrap().mechanism;
+    let start = assemble(&linkage, &guess(&linkage), &[], 10).unwrap().coordinates;
+    let refused = |times: Vec<f64>| {
+        MechanismMotion::new(&linkage, &start, [&start, &start], times, 1.0).unwrap_err()
+    };
+    assert_eq!(refused(vec![1.0]), Error::TimeCount { times: 1, configurations: 2 });
+    for next in [1.0, 0.5, 1.0 + 1e-12, f64::NAN] {
+        let error = refused(vec![1.0, next]);
+        assert!(matches!(error, Error::Times { time: 1.0, .. }), "{error}");
     }
 }

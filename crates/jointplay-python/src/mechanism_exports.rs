@@ -62,12 +62,13 @@ impl PyMechanism {
     }
 
     /// An animated 3D scene of configurations, and the links without a part; see `Motion.to_gltf`.
-    #[pyo3(signature = (coordinates, duration_s, exaggerate, tolerance_um, parts=None, table=None, table_file=None, parts_up=None))]
+    #[pyo3(signature = (coordinates, times_s, duration_s, exaggerate, tolerance_um, parts=None, table=None, table_file=None, parts_up=None))]
     #[expect(clippy::too_many_arguments, reason = "they are those of `Motion.to_gltf`")]
     fn _gltf<'py>(
         &self,
         py: Python<'py>,
         coordinates: &Bound<'py, PyAny>,
+        times_s: Option<Vec<f64>>,
         duration_s: f64,
         exaggerate: f64,
         tolerance_um: f64,
@@ -111,13 +112,15 @@ impl PyMechanism {
             py.detach(|| self.posed(&[], None)).map_err(|error| errors::core(py, &error))?;
         let scene = py.detach(|| {
             let mechanism = &self.file.mechanism;
-            let motion = MechanismMotion::new(
-                mechanism,
-                &reference.coordinates,
-                &rows,
-                duration_s,
-                exaggerate,
-            )?;
+            let times = match times_s {
+                Some(times) => times,
+                None => {
+                    let numbers: Vec<f64> = (0..rows.len()).map(|row| row as f64).collect();
+                    export::proportional_times(duration_s, &numbers)?
+                }
+            };
+            let at_rest = &reference.coordinates;
+            let motion = MechanismMotion::new(mechanism, at_rest, &rows, times, exaggerate)?;
             let tolerance = 1e-6 * tolerance_um;
             let Some(parts) = parts else {
                 let bytes = motion.gltf(tolerance)?;

@@ -69,6 +69,13 @@ pub struct MotionParameter {
 }
 
 impl MotionParameter {
+    /// Time from its first to its last value, where its name has the unit `s`, such as `time_s` (s).
+    #[must_use]
+    pub fn seconds(&self) -> Option<f64> {
+        let (first, last) = (self.values.first()?, self.values.last()?);
+        self.name.ends_with("_s").then_some((last - first).abs())
+    }
+
     /// Its value at a share of the path, straight between points.
     #[must_use]
     pub fn value_at(&self, share: f64) -> f64 {

@@ -495,6 +495,7 @@ class Mechanism:
     def _gltf(
         self,
         coordinates: ArrayLike,
+        times_s: list[float] | None,
         duration_s: float,
         exaggerate: float,
         tolerance_um: float,

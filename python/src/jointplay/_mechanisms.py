@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._analyses import Freedoms
 from ._base import Floats, Many, Result, Table, latex_array, latex_number, latex_text, write_whole
@@ -255,6 +255,7 @@ class Motion(Table):
         table: Mapping[str, str] | str | os.PathLike[str] | None = None,
         parts_up: Literal["y", "z"] | None = None,
         exaggerate: float = 1.0,
+        times_s: ArrayLike | None = None,
         duration_s: float = 4.0,
         tolerance_um: float = 1.0,
     ) -> tuple[str, ...]:
@@ -273,8 +274,10 @@ class Motion(Table):
             ``'z'`` for files of Open CASCADE, such as those of cascadio, and ``'y'`` for others.
         exaggerate : float
             Factor by which displacements of virtual joints are multiplied.
+        times_s : array_like
+            Time of each configuration [s]; by default they are at equal intervals.
         duration_s : float
-            Duration of the motion [s].
+            Duration of the motion [s], where no times are given.
         tolerance_um : float
             Largest deviation of the interpolated motion from the configurations [µm].
         """
@@ -286,6 +289,7 @@ class Motion(Table):
             pairs = list(table.items())
         contents, missing = self.mechanism._gltf(
             self.coordinates,
+            None if times_s is None else np.asarray(times_s, dtype=float).tolist(),
             duration_s,
             exaggerate,
             tolerance_um,

@@ -125,6 +125,7 @@ impl<'a> Scene<'a> {
         let platform = robot.platform(positions)?;
         let base_from_platform = platform.base_from_platform;
         let loaded = |id: EffectorId| self.held_wafer(id).is_some();
+        buffer.reserve(self.first_of(robot.arms.len()));
         for arm in 0..robot.arms.len() {
             let base_from_platform = &base_from_platform;
             let resolve = |found| found;

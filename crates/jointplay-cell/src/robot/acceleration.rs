@@ -5,7 +5,7 @@ use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
-use super::arm_chain::{ArmChain, ArmVector, dot, perpendicular, turned};
+use super::arm_chain::{ArmChain, ArmVector, RotatedVectors, dot, perpendicular};
 use super::hybrid_robot::{EffectorId, HybridRobot, RODS};
 use super::positions::Positions;
 use crate::CellError;
@@ -121,11 +121,12 @@ impl ArmChain {
 
     /// Motion of the wafer relative to the platform, from positions, velocities and accelerations of the arm's own axes.
     pub(crate) fn wafer_motion(&self, arm_states: &[ArmVector; 3]) -> FrameMotion {
-        let [tip, velocity, acceleration] = self.tip_motion(arm_states);
+        let rotated = self.rotated_vectors(&arm_states[0]);
+        let [tip, velocity, acceleration] = self.tip_motion(&rotated, arm_states);
         let [_, rate, acceleration_of_heading] =
             arm_states.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
-            base_from_frame: self.wafer_pose(&tip, &arm_states[0]),
+            base_from_frame: self.wafer_pose(&tip, &rotated),
             velocity: velocity.push(0.0),
             acceleration: acceleration.push(0.0),
             angular_velocity: Vector3::z() * rate,
@@ -219,25 +220,27 @@ impl ArmChain {
     }
 
     /// Position, velocity and acceleration of the tip relative to the platform.
-    fn tip_motion(&self, arm_states: &[ArmVector; 3]) -> [Vector2<f64>; 3] {
+    fn tip_motion(
+        &self,
+        rotated: &RotatedVectors,
+        arm_states: &[ArmVector; 3],
+    ) -> [Vector2<f64>; 3] {
         let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
         let mut tip = self.origin;
         let by = |slopes: &ArmVector| arm_states.each_ref().map(|rates| dot(slopes, rates));
-        for link_vector in self.link_vectors() {
-            let [angle, omega, alpha] = by(&link_vector.turn);
-            let link_vector = turned(&link_vector.vector, angle);
-            tip += link_vector;
-            velocity += perpendicular(&link_vector) * omega;
-            acceleration += perpendicular(&link_vector) * alpha - link_vector * (omega * omega);
+        for (link_vector, rotated) in self.link_vectors().iter().zip(rotated.links()) {
+            let [_, omega, alpha] = by(&link_vector.turn);
+            tip += rotated;
+            velocity += perpendicular(rotated) * omega;
+            acceleration += perpendicular(rotated) * alpha - rotated * (omega * omega);
         }
-        for slide in self.prismatic_joints() {
-            let [angle, omega, alpha] = by(&slide.along.turn);
+        for (slide, along) in self.prismatic_joints().iter().zip(rotated.prismatic_joints()) {
+            let [_, omega, alpha] = by(&slide.along.turn);
             let [length, rate, length_acceleration] = by(&slide.extension);
-            let along = turned(&slide.along.vector, angle);
             tip += along * length;
-            velocity += along * rate + perpendicular(&along) * (length * omega);
+            velocity += along * rate + perpendicular(along) * (length * omega);
             acceleration += along * (length_acceleration - length * omega * omega)
-                + perpendicular(&along) * (2.0 * rate * omega + length * alpha);
+                + perpendicular(along) * (2.0 * rate * omega + length * alpha);
         }
         [tip, velocity, acceleration]
     }

@@ -1,10 +1,11 @@
 //! An arm as a sum of planar vectors, each rotating by a linear function of the axes.
 
+use jointplay_core::bulk::sin_cos;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Translation3, Vector2};
 
 use super::hybrid_robot::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
-use super::rotation_about_z::rotation_about_z;
+use super::rotation_about_z::rotation_by;
 
 /// One number for each axis of an arm, in the order of [`ArmChain::axes`].
 pub(super) type ArmVector = [f64; MAX_JOINTS];
@@ -60,10 +61,41 @@ pub(super) fn dot(slopes: &ArmVector, positions: &ArmVector) -> f64 {
         + slopes[3] * positions[3]
 }
 
+/// A vector rotated by an angle (rad).
 #[inline]
 pub(super) fn turned(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
-    let (sin, cos) = angle.sin_cos();
+    turned_by(vector, angle.sin_cos())
+}
+
+/// A vector rotated by an angle with this sine and cosine.
+#[inline]
+fn turned_by(vector: &Vector2<f64>, (sin, cos): (f64, f64)) -> Vector2<f64> {
     Vector2::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y)
+}
+
+/// Largest number of angles by which vectors of an arm and its wafer rotate.
+const MAX_ANGLES: usize = 2 * MAX_JOINTS + 1;
+
+/// Vectors of an arm in one position, and sine and cosine of its heading.
+pub(super) struct RotatedVectors {
+    vectors: [Vector2<f64>; 2 * MAX_JOINTS],
+    links: usize,
+    count: usize,
+    heading: (f64, f64),
+}
+
+impl RotatedVectors {
+    /// Each of [`ArmChain::link_vectors`].
+    #[inline]
+    pub(super) fn links(&self) -> &[Vector2<f64>] {
+        &self.vectors[..self.links]
+    }
+
+    /// Direction of each of [`ArmChain::prismatic_joints`].
+    #[inline]
+    pub(super) fn prismatic_joints(&self) -> &[Vector2<f64>] {
+        &self.vectors[self.links..self.count]
+    }
 }
 
 /// A vector rotated by a quarter revolution.
@@ -183,31 +215,58 @@ impl ArmChain {
         arm_positions
     }
 
+    /// All vectors of the arm in a position.
+    ///
+    /// # Numerics
+    /// All sines and cosines are computed at once.
+    pub(super) fn rotated_vectors(&self, arm_positions: &ArmVector) -> RotatedVectors {
+        let links = self.link_vectors().iter();
+        let vectors = links.chain(self.prismatic_joints().iter().map(|joint| &joint.along));
+        let (links, count) = (self.link_count, self.link_count + self.prismatic_count);
+        let mut angles = [0.0; MAX_ANGLES];
+        let mut rotated = [Vector2::zeros(); 2 * MAX_JOINTS];
+        for ((angle, rotated), vector) in angles.iter_mut().zip(&mut rotated).zip(vectors) {
+            *angle = dot(&vector.turn, arm_positions);
+            *rotated = vector.vector;
+        }
+        angles[count] = self.heading(arm_positions);
+        let (mut sines, mut cosines) = ([0.0; MAX_ANGLES], [0.0; MAX_ANGLES]);
+        let used = ..=count;
+        sin_cos(&angles[used], &mut sines[used], &mut cosines[used])
+            .expect("the columns have one length");
+        for (k, vector) in rotated[..count].iter_mut().enumerate() {
+            *vector = turned_by(vector, (sines[k], cosines[k]));
+        }
+        RotatedVectors { vectors: rotated, links, count, heading: (sines[count], cosines[count]) }
+    }
+
     /// Centre of the wafer, in the platform plane (m).
     #[inline]
     pub(super) fn tip(&self, arm_positions: &ArmVector) -> Vector2<f64> {
-        let mut tip = self.origin;
-        for link_vector in self.link_vectors() {
-            tip += turned(&link_vector.vector, dot(&link_vector.turn, arm_positions));
-        }
-        for joint in self.prismatic_joints() {
-            let along = turned(&joint.along.vector, dot(&joint.along.turn, arm_positions));
-            tip += along * dot(&joint.extension, arm_positions);
-        }
-        tip
+        self.tip_of(&self.rotated_vectors(arm_positions), arm_positions)
+    }
+
+    /// As [`Self::tip`], the vectors of the arm known.
+    #[inline]
+    fn tip_of(&self, rotated: &RotatedVectors, arm_positions: &ArmVector) -> Vector2<f64> {
+        let tip = rotated.links().iter().fold(self.origin, |tip, vector| tip + vector);
+        let joints = self.prismatic_joints().iter().zip(rotated.prismatic_joints());
+        joints.fold(tip, |tip, (joint, along)| tip + along * dot(&joint.extension, arm_positions))
     }
 
     /// Pose `platform_from_wafer` for positions of all axes.
     pub(crate) fn wafer(&self, positions: &[f64]) -> Pose {
         let arm_positions = self.arm_positions(positions);
-        self.wafer_pose(&self.tip(&arm_positions), &arm_positions)
+        let rotated = self.rotated_vectors(&arm_positions);
+        self.wafer_pose(&self.tip_of(&rotated, &arm_positions), &rotated)
     }
 
     /// Pose `platform_from_wafer`, the position of the tip known.
     #[inline]
-    pub(super) fn wafer_pose(&self, tip: &Vector2<f64>, arm_positions: &ArmVector) -> Pose {
+    pub(super) fn wafer_pose(&self, tip: &Vector2<f64>, rotated: &RotatedVectors) -> Pose {
         let center = tip.push(self.height);
-        Pose::from_parts(Translation3::from(center), rotation_about_z(self.heading(arm_positions)))
+        let (sin, cos) = rotated.heading;
+        Pose::from_parts(Translation3::from(center), rotation_by(sin, cos))
     }
 
     /// Heading of the wafer, from the platform's x axis (rad).
@@ -219,16 +278,15 @@ impl ArmChain {
     /// Velocity of the tip per velocity of each of the arm's axes (m/m or m/rad).
     pub(super) fn tip_velocities(&self, arm_positions: &ArmVector) -> [Vector2<f64>; MAX_JOINTS] {
         let mut velocities = [Vector2::zeros(); MAX_JOINTS];
-        for link_vector in self.link_vectors() {
-            let turning =
-                perpendicular(&turned(&link_vector.vector, dot(&link_vector.turn, arm_positions)));
+        let rotated = self.rotated_vectors(arm_positions);
+        for (link_vector, rotated) in self.link_vectors().iter().zip(rotated.links()) {
+            let turning = perpendicular(rotated);
             for (velocity, slope) in velocities.iter_mut().zip(link_vector.turn) {
                 *velocity += turning * slope;
             }
         }
-        for joint in self.prismatic_joints() {
-            let along = turned(&joint.along.vector, dot(&joint.along.turn, arm_positions));
-            let turning = perpendicular(&along) * dot(&joint.extension, arm_positions);
+        for (joint, along) in self.prismatic_joints().iter().zip(rotated.prismatic_joints()) {
+            let turning = perpendicular(along) * dot(&joint.extension, arm_positions);
             for (a, velocity) in velocities.iter_mut().enumerate() {
                 *velocity += along * joint.extension[a] + turning * joint.along.turn[a];
             }

@@ -3,11 +3,11 @@
 use jointplay_core::spatial::{Pose, heading, wrap_angle};
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::posture_spline::PostureSpline;
 use super::quintic_interpolation::resampled_spline;
 use super::spline::Spline;
 use crate::CellError;
-use crate::program::LinePostures;
-use crate::robot::{ArmChain, EffectorJacobian, PosturePath};
+use crate::robot::EffectorJacobian;
 use crate::wafer::Unreachable;
 
 /// A straight line of a wafer, and the axes that follow it.
@@ -28,35 +28,6 @@ pub(crate) struct CartesianLine<'a> {
     pub(crate) max_deviation: f64,
     /// Postures that the axes stay near, if other than those of the joint-space line.
     pub(crate) postures: Option<&'a PostureSpline>,
-}
-
-/// Postures of an arm over the fraction of a line.
-pub(crate) struct PostureSpline {
-    /// Indices of the arm's axes.
-    axes: Vec<usize>,
-    spline: Spline,
-    /// Fractions of the spline at both ends of the line.
-    fractions: [f64; 2],
-    ends: [Vec<f64>; 2],
-}
-
-impl PostureSpline {
-    pub(crate) fn new(chain: &ArmChain, postures: &LinePostures) -> Self {
-        let PosturePath { fractions, positions } = postures.path.as_ref();
-        let spline = Spline::through(fractions, positions);
-        let ends = postures.fractions.map(|fraction| spline.positions(fraction));
-        Self { axes: chain.axes().to_vec(), spline, fractions: postures.fractions, ends }
-    }
-
-    /// Adds the deviation of the postures from their own joint-space line to a point of the joint-space line of all axes; it is zero at both ends.
-    fn apply(&self, s: f64, positions: &mut [f64]) {
-        let [from, to] = self.fractions;
-        let postures = self.spline.positions(from + s * (to - from));
-        for (k, &axis) in self.axes.iter().enumerate() {
-            positions[axis] +=
-                postures[k] - (self.ends[0][k] + s * (self.ends[1][k] - self.ends[0][k]));
-        }
-    }
 }
 
 /// Positions of all axes along a Cartesian line, or along a joint-space line, whose length and deviations are 0.
@@ -200,17 +171,26 @@ impl CartesianLine<'_> {
         }
         points.push((1.0, self.to.to_vec()));
         self.check_goal(&target, &points[points.len() - 2])?;
+        let mut positions = self.from.to_vec();
         loop {
-            let (knots, values): (Vec<f64>, Vec<Vec<f64>>) = points.iter().cloned().unzip();
-            let spline = resampled_spline(&knots, &values);
+            let knots: Vec<f64> = points.iter().map(|(s, _)| *s).collect();
+            let values = points.iter().flat_map(|(_, positions)| positions).copied();
+            let mut values = DMatrix::from_iterator(self.from.len(), points.len(), values);
+            for axis in 0..self.from.len() {
+                if self.is_at_rest(axis, &points) {
+                    values.row_mut(axis).fill(self.from[axis]);
+                }
+            }
+            let spline = resampled_spline(&knots, values);
             let mut added: Vec<PathPoint> = Vec::new();
             let (mut deviation, mut plane_deviation) = (0.0_f64, 0.0_f64);
             for pair in knots.windows(2) {
                 let mut deviates = false;
                 for fraction in VERIFIED_FRACTIONS {
                     let s = pair[0] + fraction * (pair[1] - pair[0]);
-                    let pose = (self.pose)(&spline.positions(s))
-                        .map_err(|error| target.pose_error(s, error))?;
+                    positions.splice(.., spline.positions(s));
+                    let pose =
+                        (self.pose)(&positions).map_err(|error| target.pose_error(s, error))?;
                     let (distance, angle) = target.deviation(&pose, s);
                     deviation = deviation.max(distance);
                     plane_deviation = plane_deviation.max(angle);
@@ -221,7 +201,8 @@ impl CartesianLine<'_> {
                 }
                 if deviates {
                     let s = (pair[0] + pair[1]) / 2.0;
-                    added.push((s, self.solve(&target, s, &spline.positions(s))?));
+                    positions.splice(.., spline.positions(s));
+                    added.push((s, self.solve(&target, s, &positions)?));
                 }
             }
             if added.is_empty() {
@@ -235,6 +216,13 @@ impl CartesianLine<'_> {
             points.extend(added);
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
+    }
+
+    /// Whether an axis ends where it starts, and leaves that position between them by no more than the accuracy of the points.
+    fn is_at_rest(&self, axis: usize, points: &[PathPoint]) -> bool {
+        let start = self.from[axis];
+        let stays = |(_, positions): &PathPoint| (positions[axis] - start).abs() < POINT_TOLERANCE;
+        self.to[axis] == start && points.iter().all(stays)
     }
 
     /// Continues the branch from the last point to `s`, in halves where the step is too long for Newton's method.
@@ -316,6 +304,7 @@ impl CartesianLine<'_> {
         let (n, m) = (self.variables.len(), target.rows());
         let pose = |q: &[f64]| (self.pose)(q).map_err(|error| target.pose_error(s, error));
         let mut residual = target.residual(&pose(&q)?, s);
+        let mut right = DVector::zeros(n + m);
         let mut error = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
             // The matrix neglects the curvature of the constraints, the change of the droop and the rotation of the heading by the tilt: they change the rate of convergence and not the solution.
@@ -337,20 +326,19 @@ impl CartesianLine<'_> {
             let factors = system.lu();
             // A factorization is reused while each step halves the error: poses are cheaper than factorizations.
             loop {
-                let mut right = DVector::zeros(n + m);
                 for (row, &axis) in self.variables.iter().enumerate() {
                     right[row] = reference[axis] - q[axis];
                 }
                 for row in 0..m {
                     right[n + row] = -residual[row];
                 }
-                let Some(step) = factors.solve(&right) else {
+                if !factors.solve_mut(&mut right) {
                     return Err(target.error(s, PathErrorKind::Singular));
-                };
+                }
                 let mut step_size = 0.0_f64;
                 for (row, &axis) in self.variables.iter().enumerate() {
-                    q[axis] += step[row];
-                    step_size = step_size.max(step[row].abs());
+                    q[axis] += right[row];
+                    step_size = step_size.max(right[row].abs());
                 }
                 if !step_size.is_finite() || step_size > MAX_STEP {
                     return Err(target.error(s, target.not_reached(&residual)));

@@ -15,6 +15,7 @@
 //! | `spline` | positions of all axes over a path parameter |
 //! | `quintic_interpolation` | positions between the points of a path |
 //! | `cartesian_path` | straight lines of the wafer, followed by inverse kinematics |
+//! | `posture_spline` | postures that the axes stay near along a line |
 //! | `squared_rate`, `collocation`, `rate_constraints`, `rate_search` | the fastest parameterization of a path: variables, places of constraints, constraints, interior-point method |
 //! | `rate_lanes` | successive intervals of a squared rate, computed side by side |
 //! | `time_parameterization` | path parameter over time, within the limits of all axes |
@@ -44,6 +45,7 @@ mod lift;
 mod limiting_constraint;
 mod limits;
 mod options;
+mod posture_spline;
 mod profile;
 mod quintic_interpolation;
 mod rate_constraints;

@@ -3,6 +3,8 @@
 //! Limits of the jerk depend on third derivatives of a path.
 //! Those of a cubic spline are constant in each interval and jump by a large part of their value at the knots; those of a quintic spline are parabolas without jumps.
 
+use nalgebra::DMatrix;
+
 use super::spline::Spline;
 
 /// Degree of the polynomial pieces.
@@ -15,35 +17,40 @@ const RESAMPLED_INTERVALS: usize = 48;
 const MAX_WIDTH_RATIO: f64 = 64.0;
 
 /// The cubic spline through points of the quintic spline through `values` at `knots`; the cubic spline through the values themselves where the knots are very uneven, or fewer than twelve.
-pub(super) fn resampled_spline(knots: &[f64], values: &[Vec<f64>]) -> Spline {
+///
+/// # Arguments
+/// * `values` – one column for each knot, with one row for each axis
+pub(super) fn resampled_spline(knots: &[f64], values: DMatrix<f64>) -> Spline {
     let widths = || knots.windows(2).map(|pair| pair[1] - pair[0]);
     let (min, max) =
         widths().fold((f64::INFINITY, 0.0_f64), |(a, b), width| (a.min(width), b.max(width)));
     if knots.len() < 2 * ORDER || max > MAX_WIDTH_RATIO * min {
-        return Spline::through(knots, values);
+        return Spline::through(knots, &values);
     }
-    let quintic = QuinticSpline::through(knots, values);
-    let is_at_rest = |&axis: &usize| values.iter().all(|one| one[axis] == values[0][axis]);
-    let at_rest: Vec<usize> = (0..values[0].len()).filter(is_at_rest).collect();
-    let count = RESAMPLED_INTERVALS.div_ceil(knots.len() - 1);
-    let mut fine = Vec::with_capacity(count * knots.len());
-    let mut resampled = Vec::with_capacity(count * knots.len());
-    for (pair, start) in knots.windows(2).zip(values) {
+    let intervals = knots.len() - 1;
+    let count = RESAMPLED_INTERVALS.div_ceil(intervals);
+    let mut fine = Vec::with_capacity(count * intervals + 1);
+    for pair in knots.windows(2) {
+        let inner = (1..count).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / count as f64);
         fine.push(pair[0]);
-        resampled.push(start.clone());
-        for k in 1..count {
-            let s = pair[0] + (pair[1] - pair[0]) * k as f64 / count as f64;
-            fine.push(s);
-            let mut positions = quintic.positions(s);
-            // Round-off would move an axis at rest.
-            for &axis in &at_rest {
-                positions[axis] = values[0][axis];
-            }
-            resampled.push(positions);
-        }
+        fine.extend(inner);
     }
     fine.extend(knots.last());
-    resampled.extend(values.last().cloned());
+    let mut resampled = DMatrix::zeros(values.nrows(), fine.len());
+    for (k, column) in values.column_iter().enumerate() {
+        resampled.set_column(k * count, &column);
+    }
+    let is_at_rest = |axis: usize| values.row(axis).iter().all(|&one| one == values[(axis, 0)]);
+    let at_rest: Vec<bool> = (0..values.nrows()).map(is_at_rest).collect();
+    let quintic = QuinticSpline::through(knots, values);
+    for (k, &s) in fine.iter().enumerate().filter(|(k, _)| k % count != 0) {
+        let (first, basis) = basis(&quintic.knots, s);
+        for (axis, &at_rest) in at_rest.iter().enumerate() {
+            // Round-off would move an axis at rest.
+            resampled[(axis, k)] =
+                if at_rest { resampled[(axis, 0)] } else { quintic.position(first, &basis, axis) };
+        }
+    }
     Spline::through(&fine, &resampled)
 }
 
@@ -51,19 +58,22 @@ pub(super) fn resampled_spline(knots: &[f64], values: &[Vec<f64>]) -> Spline {
 struct QuinticSpline {
     /// Knots of the basis splines, those at both ends six times.
     knots: Vec<f64>,
-    /// Coefficients of all axes for each basis spline.
-    coefficients: Vec<Vec<f64>>,
+    /// Coefficients of all axes, one column for each basis spline.
+    coefficients: DMatrix<f64>,
 }
 
 impl QuinticSpline {
     /// The spline through values at parameters that grow, at least six; the first three intervals share one polynomial, and so do the last three.
+    ///
+    /// # Arguments
+    /// * `values` – one column for each parameter, with one row for each axis
     ///
     /// # Numerics
     /// The matrix is totally positive: elimination needs no exchange of rows.
     ///
     /// # Source
     /// \[deBoor\], chapter XIII
-    fn through(parameters: &[f64], values: &[Vec<f64>]) -> Self {
+    fn through(parameters: &[f64], values: DMatrix<f64>) -> Self {
         let count = parameters.len();
         let mut knots = vec![parameters[0]; ORDER];
         knots.extend(&parameters[ORDER / 2..count - ORDER / 2]);
@@ -76,7 +86,7 @@ impl QuinticSpline {
                 matrix[row][first + k + DEGREE - row] = value;
             }
         }
-        let mut coefficients = values.to_vec();
+        let (axes, mut coefficients) = (values.nrows(), values);
         for pivot in 0..count {
             let pivot_row = matrix[pivot];
             for row in pivot + 1..count.min(pivot + ORDER) {
@@ -88,31 +98,28 @@ impl QuinticSpline {
                     matrix[row][column + DEGREE - row] -=
                         factor * pivot_row[column + DEGREE - pivot];
                 }
-                let (above, below) = coefficients.split_at_mut(row);
-                for (value, pivot_value) in below[0].iter_mut().zip(&above[pivot]) {
-                    *value -= factor * pivot_value;
+                for axis in 0..axes {
+                    let pivot_value = coefficients[(axis, pivot)];
+                    coefficients[(axis, row)] -= factor * pivot_value;
                 }
             }
         }
         for row in (0..count).rev() {
-            let (own, after) = coefficients.split_at_mut(row + 1);
-            let own = &mut own[row];
-            for (known, factor) in after.iter().zip(&matrix[row][ORDER..]) {
-                own.iter_mut().zip(known).for_each(|(value, known)| *value -= factor * known);
+            for axis in 0..axes {
+                let mut own = coefficients[(axis, row)];
+                for (known, factor) in (row + 1..count).zip(&matrix[row][ORDER..]) {
+                    own -= factor * coefficients[(axis, known)];
+                }
+                coefficients[(axis, row)] = own / matrix[row][DEGREE];
             }
-            own.iter_mut().for_each(|value| *value /= matrix[row][DEGREE]);
         }
         Self { knots, coefficients }
     }
 
-    /// Positions of all axes at `s` (m or rad).
-    fn positions(&self, s: f64) -> Vec<f64> {
-        let (first, basis) = basis(&self.knots, s);
-        let mut positions = vec![0.0; self.coefficients[0].len()];
-        for (weight, coefficients) in basis.iter().zip(&self.coefficients[first..]) {
-            positions.iter_mut().zip(coefficients).for_each(|(sum, one)| *sum += weight * one);
-        }
-        positions
+    /// Position of an axis where the first basis spline that is not zero is known, and the values of it and those after it (m or rad).
+    fn position(&self, first: usize, basis: &[f64; ORDER], axis: usize) -> f64 {
+        let terms = basis.iter().enumerate();
+        terms.fold(0.0, |sum, (k, weight)| sum + weight * self.coefficients[(axis, first + k)])
     }
 }
 
@@ -150,11 +157,12 @@ mod tests {
     fn quintic_spline_reproduces_a_quintic_on_uneven_knots() {
         let quintic = |s: f64| 1.0 + s * (-2.0 + s * (0.5 + s * (3.0 + s * (-4.0 + 2.0 * s))));
         let knots = uneven();
-        let values: Vec<Vec<f64>> = knots.iter().map(|&s| vec![quintic(s), -s]).collect();
-        let spline = QuinticSpline::through(&knots, &values);
+        let values = DMatrix::from_fn(2, 17, |axis, k| [quintic(knots[k]), -knots[k]][axis]);
+        let spline = QuinticSpline::through(&knots, values);
         for k in 0..=100 {
             let s = f64::from(k) / 100.0;
-            let found = spline.positions(s);
+            let (first, basis) = basis(&spline.knots, s);
+            let found = [0, 1].map(|axis| spline.position(first, &basis, axis));
             assert!((found[0] - quintic(s)).abs() < 1e-13 && (found[1] + s).abs() < 1e-13, "{s}");
         }
     }
@@ -162,7 +170,7 @@ mod tests {
     #[test]
     fn third_derivatives_of_a_resampled_spline_are_close_to_those_of_the_function() {
         let knots = uneven();
-        let values: Vec<Vec<f64>> = knots.iter().map(|s| vec![(4.0 * s).sin(), 0.3]).collect();
+        let values = DMatrix::from_fn(2, 17, |axis, k| [(4.0 * knots[k]).sin(), 0.3][axis]);
         let deviation = |spline: &Spline| {
             let at = |k: i32| f64::from(k) / 500.0;
             let third = |s: f64| -64.0 * (4.0 * s).cos();
@@ -171,14 +179,14 @@ mod tests {
         };
         let (cubic, resampled) = (
             deviation(&Spline::through(&knots, &values)),
-            deviation(&resampled_spline(&knots, &values)),
+            deviation(&resampled_spline(&knots, values.clone())),
         );
         // Third derivatives of cubics are constant between knots, of which the resampled spline has twice as many.
         assert!(resampled < 0.4 * cubic, "{resampled} {cubic}");
-        let spline = resampled_spline(&knots, &values);
+        let spline = resampled_spline(&knots, values.clone());
         assert!(!spline.moves(1), "an axis at rest stays at rest");
-        for (&s, value) in knots.iter().zip(&values) {
-            assert!((spline.positions(s)[0] - value[0]).abs() < 1e-15);
+        for (&s, value) in knots.iter().zip(values.column_iter()) {
+            assert!((spline.positions(s).next().unwrap() - value[0]).abs() < 1e-15);
         }
     }
 }

@@ -7,11 +7,12 @@ use nalgebra::Vector3;
 
 use super::blend::Blend;
 use super::blend_planner::{BlendPlanner, StepSegments};
-use super::cartesian_path::{CartesianLine, CartesianPath, PathError, PostureSpline};
+use super::cartesian_path::{CartesianLine, CartesianPath, PathError};
 use super::error::{StepError, StepErrorKind, TrajectoryError};
 use super::lift::LoweredStep;
 use super::limits::{axis_moves_effector, scaled_axis_limits};
 use super::options::TrajectoryOptions;
+use super::posture_spline::PostureSpline;
 use super::segment::Segment;
 use super::segment_key::{moves, shared_key};
 use super::segment_motion::SegmentMotion;

@@ -381,6 +381,8 @@ fn grid() -> impl Iterator<Item = f64> {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::*;
 
     fn limits(count: usize) -> Vec<KinematicLimits> {
@@ -389,8 +391,8 @@ mod tests {
 
     fn spline(of: impl Fn(f64) -> Vec<f64>) -> Spline {
         let knots: Vec<f64> = (0..=60).map(|k| f64::from(k) / 60.0).collect();
-        let values: Vec<Vec<f64>> = knots.iter().map(|&s| of(s)).collect();
-        Spline::through(&knots, &values)
+        let values: Vec<f64> = knots.iter().flat_map(|&s| of(s)).collect();
+        Spline::through(&knots, &DMatrix::from_vec(of(0.0).len(), knots.len(), values))
     }
 
     fn worst(

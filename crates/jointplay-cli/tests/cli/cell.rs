@@ -947,18 +947,12 @@ fn a_build_without_mcap_names_the_feature() {
     assert!(run.stderr.contains("--features mcap"), "{}", run.stderr);
 }
 
-/// The JSON part of a binary glTF file.
-fn gltf_document(bytes: &[u8]) -> Value {
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    serde_json::from_slice(&bytes[20..20 + length]).unwrap()
-}
-
 #[test]
 fn reported_jumps_at_hand_offs_equal_those_of_the_exported_wafer_centre() {
     let sandbox = sandbox(&[]);
     sandbox.write("example.program", "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\n");
     sandbox.done("cell export example.toml --to csv,gltf --rate 1000 --out out");
-    let gltf = gltf_document(&std::fs::read(sandbox.file("out/example.glb")).unwrap());
+    let gltf = sandbox.scene("out/example.glb");
     let hand_offs = gltf["asset"]["extras"]["hand_offs"].as_array().unwrap();
     let slots: Vec<&str> = hand_offs.iter().map(|one| one["slot"].as_str().unwrap()).collect();
     assert_eq!(slots, ["LP1 1", "ALIGN 1"]);

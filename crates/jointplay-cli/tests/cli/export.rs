@@ -90,6 +90,33 @@ fn a_scene_needs_its_format_and_its_folder() {
     assert!(sandbox.file("scene/four-bar-motion.csv").exists());
 }
 
+/// The rows of a table are shown at its times, by default in their seconds.
+#[test]
+fn a_scene_of_a_table_has_the_times_of_its_variable() {
+    let sandbox = Sandbox::new();
+    sandbox.write("timed.csv", "time_s,A_deg\n10,0\n11,40\n14.5,60\n16,90\n");
+    sandbox.write("turns.csv", "share,A_deg\n3,0\n2,40\n0,90\n");
+    for (flags, duration) in [
+        ("--table timed.csv", 6.0),
+        ("--table timed.csv --duration-s 3", 3.0),
+        ("--table turns.csv", 4.0),
+        ("--drive A=0:90 --steps 4", 4.0),
+    ] {
+        sandbox.done(&format!("move four-bar {flags} --to gltf --out scene --force"));
+        let document = sandbox.scene("scene/four-bar-motion.glb");
+        let samplers = document["animations"][0]["samplers"].as_array().unwrap();
+        assert!(!samplers.is_empty());
+        for sampler in samplers {
+            let input = &document["accessors"][sampler["input"].as_u64().unwrap() as usize];
+            assert_eq!(
+                (&input["min"][0], &input["max"][0]),
+                (&0.0.into(), &duration.into()),
+                "{flags}"
+            );
+        }
+    }
+}
+
 #[test]
 fn units_are_written_with_the_libraries_of_their_platforms() {
     let sandbox = Sandbox::new();

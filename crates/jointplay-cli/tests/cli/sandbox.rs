@@ -32,6 +32,13 @@ impl Sandbox {
         std::fs::read_to_string(self.file(name)).unwrap()
     }
 
+    /// The JSON part of a binary glTF file.
+    pub(crate) fn scene(&self, name: &str) -> Value {
+        let bytes = std::fs::read(self.file(name)).unwrap();
+        let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        serde_json::from_slice(&bytes[20..20 + length]).unwrap()
+    }
+
     pub(crate) fn write(&self, name: &str, text: &str) {
         std::fs::write(self.file(name), text).unwrap();
     }

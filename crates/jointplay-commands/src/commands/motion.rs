@@ -132,7 +132,8 @@ impl Move {
             }
             if self.to.contains(&MotionFormat::Gltf) {
                 let reference = input.at_rest()?.coordinates;
-                let scene = self.scene.scene(input, &reference, moved)?;
+                let scene =
+                    self.scene.scene(input, &reference, moved, report.parameter.as_ref())?;
                 for link in &scene.missing {
                     console::note(&format!("no part moves with link {link:?}"));
                 }

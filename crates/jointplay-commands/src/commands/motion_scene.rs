@@ -3,9 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use jointplay::interop::export::{AnimatedParts, MechanismMotion, PartTable, PartsFile, UpAxis};
+use jointplay::interop::export::{
+    AnimatedParts, MechanismMotion, PartTable, PartsFile, UpAxis, proportional_times,
+};
 use jointplay::mechanism::DrivenMotion;
 use jointplay::nalgebra::DVector;
+use jointplay::report::MotionParameter;
 
 use crate::arguments::finite;
 use crate::failure::Failure;
@@ -35,7 +38,7 @@ pub(crate) struct SceneArgs {
     /// Factor of the displacements of virtual joints in the 3D scene
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = finite)]
     exaggerate: f64,
-    /// Duration of the motion in the 3D scene [default: 4]
+    /// Duration of the motion in the 3D scene, which follows the variable of curves and tables evenly [default: that of a variable in seconds, such as `time_s`; 4 for others]
     #[arg(long, value_name = "S", value_parser = finite)]
     duration_s: Option<f64>,
     /// Largest deviation of the 3D scene from the steps of the motion, between which it is interpolated [default: 1]
@@ -73,18 +76,30 @@ impl SceneArgs {
     }
 
     /// The bytes of the scene, with the names of links without a part.
+    ///
+    /// # Arguments
+    /// * `variable` – of the motion's curves or table, with its values at each configuration
     pub(crate) fn scene(
         &self,
         input: &Input,
         reference: &DVector<f64>,
         moved: &DrivenMotion,
+        variable: Option<&MotionParameter>,
     ) -> Result<AnimatedParts, Failure> {
         let configurations = moved.waypoints.iter().map(|waypoint| &waypoint.coordinates);
+        let duration = self.duration_s.or_else(|| variable?.seconds()).unwrap_or(4.0);
+        let times = match variable {
+            Some(variable) => proportional_times(duration, &variable.values)?,
+            None => {
+                let shares: Vec<f64> = moved.waypoints.iter().map(|one| one.share).collect();
+                proportional_times(duration, &shares)?
+            }
+        };
         let motion = MechanismMotion::new(
             &input.file.mechanism,
             reference,
             configurations,
-            self.duration_s.unwrap_or(4.0),
+            times,
             self.exaggerate,
         )?;
         let tolerance = 1e-6 * self.tolerance_um.unwrap_or(1.0);

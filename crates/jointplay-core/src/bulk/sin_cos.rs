@@ -42,17 +42,8 @@ impl WithSimd for Blocks<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let count = Lanes::<S>::COUNT;
-        let mut last = [0.0; kernel::MOST];
-        for first in (0..self.angles.len()).step_by(count) {
-            let rest = &self.angles[first..];
-            let block = if rest.len() >= count {
-                &rest[..count]
-            } else {
-                last[..rest.len()].copy_from_slice(rest);
-                &last[..count]
-            };
-            let (sine, cosine) = kernel::sin_cos(Lanes::of(simd, block));
+        for first in (0..self.angles.len()).step_by(Lanes::<S>::COUNT) {
+            let (sine, cosine) = kernel::sin_cos(Lanes::up_to_all(simd, &self.angles[first..]));
             sine.store(self.sines, first);
             cosine.store(self.cosines, first);
         }

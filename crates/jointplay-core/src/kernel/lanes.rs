@@ -49,6 +49,12 @@ impl<S: Simd> Lanes<S> {
         Self { simd, value: whole[0] }
     }
 
+    /// The first numbers of a slice; zero in lanes beyond its end.
+    #[inline(always)]
+    pub(crate) fn up_to_all(simd: S, numbers: &[f64]) -> Self {
+        Self { simd, value: simd.partial_load_f64s(numbers) }
+    }
+
     /// Writes the lanes to a column from `first` on, up to its end.
     #[inline(always)]
     pub(crate) fn store(&self, column: &mut [f64], first: usize) {
@@ -56,8 +62,7 @@ impl<S: Simd> Lanes<S> {
             let (whole, _) = S::as_mut_simd_f64s(&mut column[first..first + Self::COUNT]);
             whole[0] = self.value;
         } else {
-            let rest = &mut column[first..];
-            rest.copy_from_slice(&self.numbers()[..rest.len()]);
+            self.simd.partial_store_f64s(&mut column[first..], self.value);
         }
     }
 

@@ -23,6 +23,26 @@ pub enum Error {
         /// The tolerance found (m).
         tolerance: f64,
     },
+    /// Times of configurations that do not grow.
+    #[error(
+        "times of configurations must grow in single precision, but {} s is followed by {} s",
+        number(*time),
+        number(*next)
+    )]
+    Times {
+        /// Time of a configuration (s).
+        time: f64,
+        /// Time of the next one (s).
+        next: f64,
+    },
+    /// As many times as configurations were expected.
+    #[error("expected a time for each of {configurations} configurations, got {times} times")]
+    TimeCount {
+        /// Number of times.
+        times: usize,
+        /// Number of configurations.
+        configurations: usize,
+    },
     /// A duration that is not positive.
     #[error("the duration must be positive, got {} s; use one such as 4 s", number(*duration))]
     Duration {

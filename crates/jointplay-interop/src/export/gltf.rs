@@ -30,7 +30,7 @@ use super::scene::{Part, Scene, SlotStay, Track};
 use super::violation_note::ViolationNote;
 use jointplay_format::units::um;
 
-pub use self::mechanism_motion::{AnimatedParts, MechanismMotion};
+pub use self::mechanism_motion::{AnimatedParts, MechanismMotion, proportional_times};
 pub use self::part_table::PartTable;
 pub use self::parts_error::PartsError;
 pub use self::parts_file::{PartsFile, UpAxis};

@@ -38,7 +38,7 @@ mod wafer_frames;
 pub use error::Error;
 pub use gltf::{
     AnimatedParts, KEY_TOLERANCE, MechanismMotion, PartTable, PartsError, PartsFile, UpAxis, gltf,
-    gltf_within,
+    gltf_within, proportional_times,
 };
 pub use mechanism_shapes::MechanismShapes;
 pub use motion_export::{MOST_SAMPLES, MotionExport};

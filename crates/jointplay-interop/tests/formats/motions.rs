@@ -162,7 +162,8 @@ fn of_scene(end: &End) -> Vec<String> {
     let mechanism = &end.mechanism;
     let start = guess(mechanism);
     let motion =
-        MechanismMotion::new(mechanism, &start, [&start, &end.coordinates], 1.0, 1.0).unwrap();
+        MechanismMotion::new(mechanism, &start, [&start, &end.coordinates], vec![0.0, 1.0], 1.0)
+            .unwrap();
     let file = motion.gltf(1e-6).unwrap();
     let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
     let text = &file[20..20 + word(12)];

@@ -97,10 +97,14 @@ fn file(request: &MechanismExportRequest, stop: StopRequested<'_>) -> Result<Vec
         MechanismExportFormat::Csv => Ok(table::csv(&report.columns()).into_bytes()),
         MechanismExportFormat::Gltf => {
             let waypoints = moved.waypoints.iter().map(|waypoint| &waypoint.coordinates);
-            let motion = MechanismMotion::new(mechanism, &reference, waypoints, DURATION, scale);
+            let shares: Vec<f64> = moved.waypoints.iter().map(|waypoint| waypoint.share).collect();
+            let scene = export::proportional_times(DURATION, &shares).and_then(|times| {
+                MechanismMotion::new(mechanism, &reference, waypoints, times, scale)?
+                    .gltf(TOLERANCE)
+            });
             let failed =
                 |why: export::Error| Problem::request(StatusCode::CONFLICT, why.to_string());
-            motion.and_then(|motion| motion.gltf(TOLERANCE)).map_err(failed)
+            scene.map_err(failed)
         }
     }
 }

@@ -31,41 +31,61 @@ pub struct MechanismMotion<'a> {
     exaggeration: f64,
 }
 
+/// Times from 0 to a duration, in proportion to a parameter that grows or falls from one configuration to the next (s).
+///
+/// # Arguments
+/// * `parameter` – of each configuration, such as the variable of a curve; numbers from 0 on for equal intervals
+///
+/// # Errors
+/// [`Error::Duration`]
+///
+/// # Example
+/// ```
+/// use jointplay_interop::export::proportional_times;
+///
+/// assert_eq!(proportional_times(2.0, &[10.0, 5.0, 0.0])?, [0.0, 1.0, 2.0]);
+/// # Ok::<(), jointplay_interop::export::Error>(())
+/// ```
+pub fn proportional_times(duration: f64, parameter: &[f64]) -> Result<Vec<f64>, Error> {
+    if !(duration.is_finite() && duration > 0.0) {
+        return Err(Error::Duration { duration });
+    }
+    let [first, .., last] = parameter else { return Ok(vec![0.0; parameter.len()]) };
+    Ok(parameter.iter().map(|at| duration * ((at - first) / (last - first))).collect())
+}
+
 /// Origins and unit quaternions x, y, z, w.
 type PlacesAndTurns = (Vec<[f64; 3]>, Vec<[f64; 4]>);
 
 impl<'a> MechanismMotion<'a> {
-    /// The motion through configurations at equal intervals of time.
+    /// The motion through configurations.
     ///
     /// # Arguments
     /// * `reference` – (f + M) coordinates at which parts of a CAD model are in the places of their file (m, rad)
     /// * `configurations` – (f + M) coordinates each (m, rad)
-    /// * `duration` – time from the first to the last of them (s)
+    /// * `times` – time of each configuration, such as by [`proportional_times`] (s)
     /// * `exaggeration` – factor of the displacements of the virtual joints, as in [`exaggerated_link_poses`]
     ///
     /// # Errors
-    /// [`Error::Duration`]; [`Error::Configuration`] for coordinates that are not those of the mechanism.
+    /// [`Error::Times`], [`Error::TimeCount`]; [`Error::Configuration`] for coordinates that are not those of the mechanism.
     pub fn new<'c>(
         mechanism: &'a Mechanism,
         reference: &DVector<f64>,
         configurations: impl IntoIterator<Item = &'c DVector<f64>>,
-        duration: f64,
+        times: Vec<f64>,
         exaggeration: f64,
     ) -> Result<Self, Error> {
-        if !(duration.is_finite() && duration > 0.0) {
-            return Err(Error::Duration { duration });
-        }
         let poses: Vec<Vec<Pose>> = configurations
             .into_iter()
             .map(|at| exaggerated_link_poses(mechanism, at, exaggeration))
             .collect::<Result<_, _>>()?;
-        let steps = poses.len().saturating_sub(1).max(1);
-        #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
-        let times = (0..poses.len()).map(|k| duration * k as f64 / steps as f64).collect();
-        let times: Vec<f64> = times;
+        if times.len() != poses.len() {
+            return Err(Error::TimeCount { times: times.len(), configurations: poses.len() });
+        }
         // Viewers have times in single precision.
-        if times.windows(2).any(|pair| single(pair[0]) >= single(pair[1])) {
-            return Err(Error::Duration { duration });
+        let grows = |pair: &&[f64]| single(pair[0]) < single(pair[1]);
+        if let Some(pair) = times.windows(2).find(|pair| !grows(pair)) {
+            return Err(Error::Times { time: pair[0], next: pair[1] });
         }
         let reference = Kinematics::new(mechanism).link_poses(reference)?;
         Ok(Self { mechanism, reference, times, poses, exaggeration })
