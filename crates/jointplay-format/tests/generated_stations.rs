@@ -139,6 +139,9 @@ fn copies_expressions_and_parts_that_are_no_stations_are_refused() {
     refused("CH2", moved(), "the station \"CH2\" is a copy of \"CH\"");
     refused("CH", moved(), "station \"CH\" is not known");
     refused("P3", moved(), "`position_mm` of the station \"P3\" is an expression");
+    let place = set_station(TEXT, "P3", &[moved()]).unwrap_err().place;
+    let line = TEXT.lines().nth(place.line - 1).unwrap();
+    assert_eq!(&line[place.column - 1..], "[\"-reach\", 0, 500]");
     refused("SV", moved(), "station \"SV\" is not known");
     refused("port", moved(), "station \"port\" is not known");
     let noise = Some(TaughtNoise::Sensor("prob".to_owned()));

@@ -1,10 +1,13 @@
 //! The table that describes a station: its own, or that of a part.
 
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use std::ops::Range;
+
+use toml_edit::{Document, DocumentMut, Item, TableLike, Value};
 
 use super::expansion::{is_replaced, is_station};
-use super::problem::Fault;
+use super::problem::{Fault, Problem};
 use crate::file_problem::FileProblem;
+use crate::place::Error;
 
 /// Keys of lists whose tables describe stations.
 pub(super) const TABLES: [&str; 2] = ["station", "part"];
@@ -169,18 +172,35 @@ fn is_expression(value: &Value) -> bool {
 }
 
 /// Checks that no expression was replaced or removed.
+///
+/// # Arguments
+/// * `text` – of the file, for the place of an error
+///
+/// # Errors
+/// The first expression that was, at its place in the text.
 pub(super) fn check_unchanged(
     table: &dyn TableLike,
     name: &str,
     expressions: &[(String, String)],
-) -> Result<(), Fault> {
+    text: &str,
+) -> Result<(), Problem> {
     let is_kept = |(key, value): &&(String, String)| {
         table.get(key).is_some_and(|item| item.to_string() == *value)
     };
     match expressions.iter().find(|one| !is_kept(one)) {
         None => Ok(()),
-        Some((key, _)) => Err(Fault::Unfit(format!(
-            "`{key}` of the station {name:?} is an expression: change it, or the parameters in it, in the text"
-        ))),
+        Some((key, _)) => {
+            let message = format!(
+                "`{key}` of the station {name:?} is an expression: change it, or the parameters in it, in the text"
+            );
+            Err(Error::at(text, place(text, name, key).unwrap_or(0..0), Fault::Unfit(message)))
+        }
     }
+}
+
+/// Where the value of a key of a station is in the text; `None` where the station takes it from elsewhere.
+fn place(text: &str, name: &str, key: &str) -> Option<Range<usize>> {
+    let document = Document::parse(text).ok()?;
+    let mut tables = TABLES.iter().flat_map(|list| tables_of(document.as_table(), list));
+    tables.find(|table| is_called(*table, name))?.get(key)?.span()
 }

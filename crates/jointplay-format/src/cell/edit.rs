@@ -95,7 +95,7 @@ pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String,
     for change in changes {
         apply(&mut station, change);
     }
-    described::check_unchanged(station.table, name, &expressions).map_err(at_start)?;
+    described::check_unchanged(station.table, name, &expressions, text)?;
     Ok(line_ends::as_before(document.to_string(), text))
 }
 
