@@ -784,3 +784,17 @@ joint = [{ name = "b", kind = "spherical", links = ["world", "arm"], point = [10
     for steps in (1, 7):
         moved = ball.drive({"b[0]": 0.4, "b[1]": -0.9, "b[2]": 4.0}, steps=steps)
         assert [moved[f"b[{k}]"][-1] for k in range(3)] == [0.4, -0.9, 4.0]
+
+
+def test_errors_of_types_name_the_argument():
+    mechanism = jp.Mechanism.from_catalogue("four-bar")
+    with pytest.raises(jp.ArgumentTypeError, match=r"^A has to be a number, not str$"):
+        mechanism.mobility({"A": "x"})
+    with pytest.raises(jp.ArgumentTypeError, match=r"^A has to be a number, not NoneType$"):
+        mechanism.assemble({"A": None})
+    with pytest.raises(jp.ArgumentTypeError, match=r"^starts has to be a whole number, not float$"):
+        mechanism.branches(starts=2.5)
+    with pytest.raises(jp.ArgumentTypeError, match=r"^crank has to be a number, not list$"):
+        jp.Mechanism.from_catalogue("four-bar", parameters={"crank": [1]})
+    with pytest.raises(TypeError):
+        mechanism.mobility({"A": "x"})

@@ -25,6 +25,17 @@ pub(crate) fn new(
     made.unwrap_or_else(|error| error)
 }
 
+/// An `ArgumentTypeError`: what an argument has to be, and the type that it has.
+pub(crate) fn argument_type(given: &Bound<'_, PyAny>, name: &str, expected: &str) -> PyErr {
+    let py = given.py();
+    let found = match given.get_type().name() {
+        Ok(found) => found,
+        Err(error) => return error,
+    };
+    let message = format!("{name} has to be {expected}, not {found}");
+    new(py, "ArgumentTypeError", &message, Ok(PyDict::new(py)))
+}
+
 /// An `InputError`.
 pub(crate) fn input(py: Python<'_>, message: &str) -> PyErr {
     new(py, "InputError", message, Ok(PyDict::new(py)))

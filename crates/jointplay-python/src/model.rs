@@ -145,11 +145,8 @@ fn metric_of(given: &Bound<'_, PyAny>) -> PyResult<Metric> {
     if given.is_instance_of::<PyFloat>() || given.is_instance_of::<PyInt>() {
         return Ok(Metric::Length(finite(given, "metric")?));
     }
-    let message = format!(
-        "metric has to be 'paper', 'radius' or a length in metres, not {}",
-        given.get_type().name()?
-    );
-    Err(errors::new(py, "ArgumentTypeError", &message, Ok(pyo3::types::PyDict::new(py))))
+    let expected = "'paper', 'radius' or a length in metres";
+    Err(errors::argument_type(given, "metric", expected))
 }
 
 /// Names of the virtualization of a pose.

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use numpy::prelude::*;
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyOverflowError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 
@@ -71,17 +71,23 @@ pub(crate) fn optional_real(given: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
 /// A number by its name, which has to be finite.
 ///
 /// # Errors
-/// `NotFiniteError`.
+/// `NotFiniteError`; `ArgumentTypeError` for anything but numbers.
 pub(crate) fn finite(given: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
     let py = given.py();
-    let value = given.extract::<f64>().map_err(|error| too_large(py, error, name))?;
+    let value = given.extract::<f64>().map_err(|error| {
+        if error.is_instance_of::<PyTypeError>(py) {
+            errors::argument_type(given, name, "a number")
+        } else {
+            too_large(py, error, name)
+        }
+    })?;
     if value.is_finite() { Ok(value) } else { Err(errors::not_finite(py, name, value)) }
 }
 
 /// A whole number within a range, by its name.
 ///
 /// # Errors
-/// `InputError` beyond the range, `TypeError` for anything but whole numbers.
+/// `InputError` beyond the range, `ArgumentTypeError` for anything but whole numbers.
 pub(crate) fn count(
     given: &Bound<'_, PyAny>,
     name: &str,
@@ -90,6 +96,9 @@ pub(crate) fn count(
     let py = given.py();
     match given.extract::<usize>() {
         Ok(count) if range.contains(&count) => Ok(count),
+        Err(error) if error.is_instance_of::<PyTypeError>(py) => {
+            Err(errors::argument_type(given, name, "a whole number"))
+        }
         Err(error) if !error.is_instance_of::<PyOverflowError>(py) => Err(error),
         _ => {
             let (least, most) = range.into_inner();
