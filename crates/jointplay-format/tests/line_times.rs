@@ -1,5 +1,6 @@
 //! Durations of straight lines: close to optima found by other methods, and continuous in the position of a station.
 
+use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::program::{Path, expand};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::Droop;
@@ -237,4 +238,27 @@ fn an_axis_that_stays_within_the_accuracy_of_a_line_is_at_rest() {
         }
     }
     assert!(at_rest > 20, "{at_rest}");
+}
+
+/// With blends, an axis counted as moving for the whole of a step in which a blended neighbour moves it for a moment.
+#[test]
+fn the_time_in_motion_is_that_of_the_samples_with_a_velocity() {
+    let cell = example_with_moved_port(0.0, 0.0);
+    for blend in ["", "BLEND 8 mm\n", "BLEND 30 mm\n"] {
+        let text = format!("{blend}GET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nGET ALIGN WITH B\n");
+        let steps = expand(&cell, &program::parse(&text).unwrap()).unwrap();
+        let trajectory = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+        let report = check(&cell, &trajectory, &CheckOptions::default());
+        let rate = 1000.0;
+        let mut seconds = vec![0.0; report.moving_time.len()];
+        for sample in trajectory.samples(rate) {
+            for (time, velocity) in seconds.iter_mut().zip(&sample.velocities) {
+                *time += if *velocity == 0.0 { 0.0 } else { 1.0 / rate };
+            }
+        }
+        for (axis, (reported, sampled)) in report.moving_time.iter().zip(&seconds).enumerate() {
+            let difference = (reported - sampled).abs();
+            assert!(difference < 0.02 + 0.005 * sampled, "{blend}{axis}: {reported} {sampled}");
+        }
+    }
 }

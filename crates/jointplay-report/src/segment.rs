@@ -20,7 +20,9 @@ pub struct SegmentReport {
     pub start_s: f64,
     /// Duration.
     pub duration_s: f64,
-    /// What determines the duration; none where the segment is slower than necessary for a longer blend.
+    /// Whether it is blended with the segment before or after it.
+    pub blended: bool,
+    /// What determines the duration; none where limits are reached for less than 1 % of it, as in segments that are slower for a longer blend.
     pub limited_by: Option<LimitingReport>,
 }
 
@@ -53,6 +55,10 @@ pub(crate) fn segments(
         path: if matches!(motion.steps[step].path, Path::Line(_)) { "line" } else { "joint" },
         start_s: motion.times[step],
         duration_s: motion.step_duration(step),
+        blended: [step.checked_sub(1), Some(step)]
+            .into_iter()
+            .flatten()
+            .any(|first| motion.blend(first).is_some()),
         limited_by: constraints[step].map(|one| limiting(cell, &one)),
     };
     moving.map(report).collect()

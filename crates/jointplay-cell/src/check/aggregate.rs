@@ -70,10 +70,8 @@ impl<'a> Aggregator<'a> {
         let start = self.trajectory.times[index];
         self.samples += findings.samples;
         if let Some(row) = self.rows.last_mut() {
-            for (time, moved) in row.moving_time.iter_mut().zip(&findings.moved) {
-                if *moved {
-                    *time += self.trajectory.step_duration(index);
-                }
+            for (axis, time) in row.moving_time.iter_mut().enumerate() {
+                *time += self.trajectory.moving_time(index, axis);
             }
             row.tilt = row.tilt.max(findings.tilt);
             row.play = row.play.max(findings.play);

@@ -109,7 +109,6 @@ impl StepFindings {
             slip: None,
             tilt: 0.0,
             play: 0.0,
-            moved: vec![false; robot.axes.len()],
             samples: sampled.times().len(),
             violations: Vec::new(),
             runs: Vec::new(),
@@ -155,7 +154,6 @@ impl StepFindings {
         let LimitedAxis { index, axis, limits } = *limited;
         let [positions, rates @ ..] = states.columns();
         let peaks = rates.map(largest_magnitude);
-        self.moved[index] = peaks[0] > 0.0;
         let utilizations = [&mut self.velocity, &mut self.acceleration, &mut self.jerk];
         for (((utilization, column), value), limit) in
             utilizations.into_iter().zip(rates).zip(peaks).zip(limits)

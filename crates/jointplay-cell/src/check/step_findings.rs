@@ -17,8 +17,6 @@ pub(super) struct StepFindings {
     pub(super) tilt: f64,
     /// Largest displacement of the virtual joints relative to the play budget.
     pub(super) play: f64,
-    /// Whether each axis moves.
-    pub(super) moved: Vec<bool>,
     /// Number of samples.
     pub(super) samples: usize,
     pub(super) violations: Vec<ViolationInterval>,
@@ -57,9 +55,6 @@ impl StepFindings {
         }
         self.tilt = self.tilt.max(next.tilt);
         self.play = self.play.max(next.play);
-        for (moved, also) in self.moved.iter_mut().zip(next.moved) {
-            *moved |= also;
-        }
         self.samples = first + next.samples;
         let mut violations = IntervalMerger::from_intervals(std::mem::take(&mut self.violations));
         violations.join(next.violations, first);

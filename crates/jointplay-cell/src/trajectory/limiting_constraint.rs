@@ -49,7 +49,7 @@ struct Binding {
 }
 
 impl Trajectory {
-    /// The limiting constraint of each step, from rest to rest without its blends; `None` where no limit binds: at dwells, and in steps that are slower for a longer blend.
+    /// The limiting constraint of each step, from rest to rest without its blends; `None` where no limit binds for a hundredth of the time: at dwells, in steps that are slower for a longer blend, and where limits bind at single places of a path.
     #[must_use]
     pub fn limiting_constraints(&self, cell: &Cell) -> Vec<Option<LimitingConstraint>> {
         let mut known = BTreeMap::new();

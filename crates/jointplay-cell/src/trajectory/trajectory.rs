@@ -96,14 +96,34 @@ impl Trajectory {
     #[must_use]
     pub fn moving_axes(&self, step: usize) -> Vec<usize> {
         let overlaps = self.half_overlaps(step);
-        let moves =
-            |step: usize, axis: usize| self.segments[step].motion.moves(&self.steps[step], axis);
         let any = |axis: &usize| {
-            moves(step, *axis)
-                || (overlaps.previous > 0.0 && moves(step - 1, *axis))
-                || (overlaps.next > 0.0 && moves(step + 1, *axis))
+            self.moves_axis(step, *axis)
+                || (overlaps.previous > 0.0 && self.moves_axis(step - 1, *axis))
+                || (overlaps.next > 0.0 && self.moves_axis(step + 1, *axis))
         };
         (0..self.steps[step].from.len()).filter(any).collect()
+    }
+
+    /// Whether an axis moves in a step, its blended neighbours aside.
+    fn moves_axis(&self, step: usize, axis: usize) -> bool {
+        self.segments[step].motion.moves(&self.steps[step], axis)
+    }
+
+    /// Time in a step in which an axis moves: all of it, or the overlaps in which only a blended neighbour moves the axis (s).
+    pub(crate) fn moving_time(&self, step: usize, axis: usize) -> f64 {
+        let duration = self.step_duration(step);
+        if self.moves_axis(step, axis) {
+            return duration;
+        }
+        let overlaps = self.half_overlaps(step);
+        let mut time = 0.0;
+        if overlaps.previous > 0.0 && self.moves_axis(step - 1, axis) {
+            time += overlaps.previous;
+        }
+        if overlaps.next > 0.0 && self.moves_axis(step + 1, axis) {
+            time += overlaps.next;
+        }
+        time.min(duration)
     }
 
     /// Deviation of a step from its Cartesian line; `None` for steps that are not lines.

@@ -78,7 +78,12 @@ fn limit(segment: &SegmentReport) -> Option<(&str, Option<&str>)> {
 /// Limiting constraint of a segment, with its places and durations.
 fn explained(segment: &SegmentReport) -> String {
     let Some(limiting) = &segment.limited_by else {
-        return "no limit: slower for a longer blend".to_owned();
+        let reason = if segment.blended {
+            "no limit: slower for a longer blend"
+        } else {
+            "limits reached for less than 1 % of the time"
+        };
+        return reason.to_owned();
     };
     let LimitingReport { limit, name, time_share, from_share, to_share } = limiting;
     let name = name.as_ref().map_or(String::new(), |name| format!(" of {name}"));
