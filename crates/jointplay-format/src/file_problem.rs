@@ -77,7 +77,7 @@ pub enum FileProblem {
     },
     /// A name that the program language cannot express.
     #[error(
-        "`{key}` is {found:?}, but a name is letters, digits, `_` and `-`, starts with a letter, and has at most {longest} of them"
+        "`{key}` is {found:?}, but a name is letters from a to z or A to Z, digits, `_` and `-`, starts with a letter, and has at most {longest} of them"
     )]
     Name {
         /// The key.

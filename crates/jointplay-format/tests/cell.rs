@@ -184,7 +184,7 @@ fn errors_name_their_place_and_the_allowed_values() {
     refuse("wafers = \"all\"", "effectors = [\"C\"]", "effector \"C\" is not known; known: A, B");
     refuse("wafers = \"all\"", "approach = \"straight\"", "approach \"straight\" is not known");
     refuse("name = \"LP2\"", "name = \"LP1\"", "station \"LP1\" is defined twice");
-    refuse("name = \"LP2\"", "name = \"load port\"", "a name is letters, digits");
+    refuse("name = \"LP2\"", "name = \"load port\"", "a name is letters from a to z");
     refuse(
         "retract_mm = 10.0",
         "retract_mm = 800.0",
@@ -195,7 +195,7 @@ fn errors_name_their_place_and_the_allowed_values() {
         "angle_deg = 2.0",
         "tilts 2.000° toward 100.0°, but the robot tilts by at most 1.500°: level the station by at least 0.538°, 0.038° of which",
     );
-    refuse("[600.0, 0.0, 619.83]", "[600.0, 0.0, 620.83]", "taught point 3 deviates most: it is");
+    refuse("[600.0, 0.0, 619.83]", "[600.0, 0.0, 620.83]", "taught point 3 deviates most, by");
     refuse("rule = \"safe\"", "rule = \"save\"", "did you mean `safe`?");
     refuse("on = \"platform\"", "on = \"plattform\"", "did you mean `platform`?");
     refuse("{ arm = \"upper\", link = 2 }", "{ arm = \"upper\", link = 5 }", "from 1 to 4");

@@ -104,6 +104,18 @@ fn check(format: &str, original: &Mechanism, at: &DVector<f64>, written: &Writte
         let off = (read_poses[link].to_homogeneous() - pose.to_homogeneous()).amax();
         assert!(off < 1e-9, "{format} {}: link {name:?} is off by {off}", original.name());
     }
+    for frame in original.frames().iter().filter(|_| format != "Modelica") {
+        let pose = poses[frame.link] * frame.link_from_frame;
+        let found = match found.frames().iter().find(|one| one.name == frame.name) {
+            Some(one) => read_poses[one.link] * one.link_from_frame,
+            None => {
+                assert_eq!(format, "URDF", "frame {:?} is lost", frame.name);
+                read_poses[found.link(&frame.name).unwrap()]
+            }
+        };
+        let off = (found.to_homogeneous() - pose.to_homogeneous()).amax();
+        assert!(off < 1e-9, "{format} {}: frame {:?} is off by {off}", original.name(), frame.name);
+    }
     let ((before, columns), (after, read_columns)) =
         (constraints(original, at), constraints(&found, &start));
     if let (Some(before), Some(after)) = (rank(&before), rank(&after)) {

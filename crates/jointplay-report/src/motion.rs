@@ -183,7 +183,7 @@ pub fn motion(
         ),
         Stop::Incompatible if driven.is_empty() => (
             "incompatible",
-            "no configuration closes the loops beyond: the commanded poses are out of reach, or contradict each other or the joints".to_owned(),
+            "no configuration has the commanded poses beyond: they are out of reach, or contradict each other, the loops or the joints".to_owned(),
         ),
         Stop::Incompatible => (
             "incompatible",

@@ -133,15 +133,15 @@ fn report_point(taught: &Table, key: &'static str, index: Option<usize>, message
 #[must_use]
 pub fn inconsistent_points(fit: &PlaneFit) -> String {
     let relative = |index: usize| match fit.agreement.diagnostics[index].standardized {
-        Some(times) => format!(", {:.1} times its standard deviation", times.abs()),
+        Some(times) => format!(", by {:.1} times its standard deviation", times.abs()),
         None => String::new(),
     };
     let mut message = match fit.suspect() {
         Some(index) => format!(
-            "taught point {} deviates most: it is {:.1} µm from the plane of all points{}",
+            "taught point {} deviates most{}: it is {:.1} µm from the plane of all points",
             index + 1,
-            um(fit.distances[index]).abs(),
-            relative(index)
+            relative(index),
+            um(fit.distances[index]).abs()
         ),
         None => format!(
             "the taught points are up to {:.1} µm from their plane, and one redundant point does not determine which of them deviates",

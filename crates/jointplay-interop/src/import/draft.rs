@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use jointplay_core::mechanism::{
-    Coupling, Joint, JointCoordinate, JointKind, LinearAndAngular, Mechanism, MechanismError,
+    AttachedFrame, Coupling, Joint, JointCoordinate, JointKind, LinearAndAngular, Mechanism,
+    MechanismError,
 };
 use jointplay_core::spatial::Pose;
 use roxmltree::Node;
@@ -21,6 +22,7 @@ pub(super) struct Draft<'a> {
     joints: Named,
     pub(super) descriptions: Vec<Joint>,
     couplings: Vec<(Coupling, Range<usize>)>,
+    frames: Vec<AttachedFrame>,
     /// Names of constraints in the model.
     constraints: BTreeSet<String>,
     /// Names in the model, which generated names avoid.
@@ -63,6 +65,7 @@ impl<'a> Draft<'a> {
             joints: Named::default(),
             descriptions: Vec::new(),
             couplings: Vec::new(),
+            frames: Vec::new(),
             constraints: BTreeSet::new(),
             taken: root.descendants().filter_map(|node| node.attribute("name")).collect(),
             ignored: BTreeMap::new(),
@@ -113,6 +116,20 @@ impl<'a> Draft<'a> {
         self.couplings.push((coupling, place));
     }
 
+    /// Adds a frame that moves with a link; with a number, and a remark, if a link or another frame has its name.
+    pub(super) fn add_frame(&mut self, name: &str, link: usize, link_from_frame: Pose) {
+        let mut own = name.to_owned();
+        if self.link(name).is_some() || self.is_frame(name) {
+            own = self.fresh(own);
+            self.remark(format!("frame {name:?} is called {own:?}: a link or frame has its name"));
+        }
+        self.frames.push(AttachedFrame { name: own, link, link_from_frame });
+    }
+
+    fn is_frame(&self, name: &str) -> bool {
+        self.frames.iter().any(|frame| frame.name == name)
+    }
+
     /// Number of couplings so far.
     pub(super) fn couplings(&self) -> usize {
         self.couplings.len()
@@ -144,7 +161,7 @@ impl<'a> Draft<'a> {
     /// A generated name: this one, with a number if the model already has it.
     pub(super) fn fresh(&self, name: String) -> String {
         let is_free = |name: &str| {
-            !(self.taken.contains(name) || self.is_coupling(name))
+            !(self.taken.contains(name) || self.is_coupling(name) || self.is_frame(name))
                 && self.link(name).is_none()
                 && self.joint(name).is_none()
         };
@@ -190,7 +207,8 @@ impl<'a> Draft<'a> {
 
     /// The mechanism, or an error with its place.
     pub(super) fn finish(self, name: &str, dialect: Dialect) -> Result<Imported, Error> {
-        let Self { xml, root, links, joints, mut descriptions, ignored, mut remarks, .. } = self;
+        let Self { xml, root, links, joints, mut descriptions, frames, ignored, .. } = self;
+        let mut remarks = self.remarks;
         let (couplings, places): (Vec<_>, Vec<_>) = self.couplings.into_iter().unzip();
         remarks.extend(start(&mut descriptions, &couplings));
         let names: Vec<String> = couplings.iter().map(|one| one.name.clone()).collect();
@@ -199,7 +217,7 @@ impl<'a> Draft<'a> {
             Some(places[number].clone())
         };
         let mechanism = Mechanism::new(name, links.names.clone(), descriptions)
-            .and_then(|mechanism| mechanism.with_couplings(couplings));
+            .and_then(|mechanism| mechanism.with_couplings(couplings)?.with_frames(frames));
         let mechanism = mechanism.map_err(|error| {
             use MechanismError as E;
             let found = match &error {

@@ -254,7 +254,8 @@ impl Optimise {
             counted(document.evaluated, "program")
         );
         text.push_str("  wafers/h  min. distance mm  slip margin %  speed %  blend mm  program\n");
-        let given = document.given.iter().map(|one| (one, "as given, without blends"));
+        let given =
+            document.given.iter().map(|one| (one, "its order, at full speed without blends"));
         let found = document.programs.iter().map(|one| (one, one.file.as_deref().unwrap_or("")));
         for (one, name) in given.chain(found) {
             let stations = one.stations.iter().map(|own| {

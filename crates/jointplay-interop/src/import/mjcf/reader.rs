@@ -324,12 +324,16 @@ impl<'a> Reader<'a> {
     }
 
     fn site(&mut self, item: &Item<'a>, link: usize) -> Result<(), Error> {
-        self.draft.ignore("site");
-        let Some(name) = self.draft.xml.name(item.node)? else { return Ok(()) };
+        let Some(name) = self.draft.xml.name(item.node)? else {
+            self.draft.ignore("site without a name");
+            return Ok(());
+        };
         let class = self.defaults.class_of(self.draft.xml, item.node, item.class)?;
         let default = |name| self.defaults.attribute_value(class, "site", name);
         let pose = self.angles.pose(self.draft.xml, item.node, default)?;
-        self.sites.insert(name, (link, item.body_from_frame * pose));
+        let link_from_site = item.body_from_frame * pose;
+        self.draft.add_frame(name, link, link_from_site);
+        self.sites.insert(name, (link, link_from_site));
         Ok(())
     }
 
@@ -428,7 +432,6 @@ mod tests {
             "1 × inactive weld",
             "1 × motor that drives no joint",
             "1 × option",
-            "2 × site",
             "1 × solref of connect",
         ];
         assert_eq!(model.ignored, ignored);

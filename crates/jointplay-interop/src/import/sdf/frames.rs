@@ -137,6 +137,11 @@ impl<'a> Frames<'a> {
         (0..self.len()).filter(|&frame| matches!(self.frames[frame].kind, Kind::Link { .. }))
     }
 
+    /// Frames with an element `<frame>`.
+    pub(super) fn explicit(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.len()).filter(|&frame| self.frames[frame].kind == Kind::Frame)
+    }
+
     pub(super) fn is_static(&self, frame: usize) -> bool {
         self.frames[frame].kind == Kind::Link { is_static: true }
     }

@@ -96,6 +96,7 @@ pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Resul
             false => reader.mimics(frame)?,
         }
     }
+    reader.attach_frames()?;
     reader.actuate();
     reader.add_floating_joints()?;
     reader.draft.finish(name, Dialect::Sdf)
@@ -241,6 +242,21 @@ impl<'a> Reader<'a> {
                 let frames = [self.frames.world_from(frame), Pose::identity()];
                 self.draft.add_joint(bare(name, JointKind::Fixed, [0, link], frames), span)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Adds the frames that move with links.
+    fn attach_frames(&mut self) -> Result<(), Error> {
+        for frame in self.frames.explicit().collect::<Vec<_>>() {
+            let carrier = self.frames.link_of(frame)?;
+            let Some(link) = self.link_of_frame[carrier] else {
+                self.draft.ignore("frame");
+                continue;
+            };
+            let link_from_world = self.frames.world_from(carrier).inverse();
+            let name = self.shown(frame).to_owned();
+            self.draft.add_frame(&name, link, link_from_world * self.frames.world_from(frame));
         }
         Ok(())
     }
