@@ -5,7 +5,7 @@ use nalgebra::DVector;
 /// Why there are no velocities: the commanded coordinates do not determine the motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "the commanded coordinates leave {motions} motion{} undetermined; the singular values of the loops with them held are {}; command more coordinates, or choose a configuration that is not singular",
+    "the commanded coordinates leave {motions} motion{} undetermined; the singular values of the loops with them held are {}; command more coordinates, remove the spin of a bar between two balls by a universal joint at one end, or choose a configuration that is not singular",
     if *motions == 1 { "" } else { "s" },
     listed(singular_values)
 )]
