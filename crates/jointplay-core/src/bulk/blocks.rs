@@ -10,8 +10,8 @@ use super::results::{
 use super::{Column, Quantity, Status, singular_values};
 use crate::gpr::{Gpr, Limits};
 use crate::kernel::{
-    self, Balls, ByPolynomials, Chosen, ClosedForm, Found, Lanes, Mask, Method, Model, Order,
-    PlatformPoses, Shape, Task, Three,
+    self, Ahead, Balls, ByPolynomials, Chosen, ClosedForm, Found, Lanes, Mask, Method, Model,
+    Order, PlatformPoses, Shape, Task, Three,
 };
 use crate::virtualization::{Solver, signed_area};
 
@@ -103,6 +103,10 @@ impl<M: Model> Blocks<'_, '_, M> {
         let poses = status.len();
         let (whole, blocks) = (poses / count, poses.div_ceil(count));
         let given = columns.map(|column| column.blocks(simd));
+        let [q_1, q_2, q_3] = &given;
+        let contiguous = q_1.contiguous() & q_2.contiguous() & q_3.contiguous();
+        let together = if contiguous { whole.max(1) } else { COPIED };
+        let mut copies = [[simd.splat_f64s(0.0); COPIED]; 3];
         let mut rest = [simd.splat_f64s(0.0); PLACES];
         let mut doubtful = false;
         status.fill(Status::Solved);
@@ -111,23 +115,36 @@ impl<M: Model> Blocks<'_, '_, M> {
             let written_from = part.start;
             let mut results =
                 if part.end == whole { Results::<S>::new(wanted) } else { Results::one(&mut rest) };
-            for block in part {
-                let [q_1, q_2, q_3] = &given;
-                let rods = [q_1.block(simd, block), q_2.block(simd, block), q_3.block(simd, block)];
-                let balls = Balls::new(task.geometry, rods);
-                let found = method.found::<S, M>(&task, &balls);
-                let mut written = results.block(block - written_from);
-                let certain =
-                    fill::<S, M, W, E>(&mut written, needs, &method, &task, &balls, &found);
-                let mut solved = certain & balls.moderate(&rods);
-                if let Some(limits) = &limits {
-                    solved = solved & limits.holds(&rods, &balls);
+            let mut from = part.start;
+            while from < part.end {
+                let some = from..part.end.min(from + together);
+                let length = some.len();
+                let [c_1, c_2, c_3] = &mut copies;
+                let rods = [
+                    &q_1.some(simd, some.clone(), c_1)[..length],
+                    &q_2.some(simd, some.clone(), c_2)[..length],
+                    &q_3.some(simd, some, c_3)[..length],
+                ];
+                let mut sequence = Sequence::<S, M, W>::new(simd, &task, &method, rods);
+                for block in 0..length {
+                    let (rods, balls, ahead) = sequence.current(block);
+                    let found = method.found::<S, M>(&task, &balls, ahead);
+                    let mut written = results.block(from + block - written_from);
+                    let certain =
+                        fill::<S, M, W, E>(&mut written, needs, &method, &task, &balls, &found);
+                    let mut solved = certain & balls.moderate(&rods);
+                    if let Some(limits) = &limits {
+                        solved = solved & limits.holds(&rods, &balls);
+                    }
+                    if !solved.all() {
+                        doubtful = true;
+                        let answers = &solved.answers()[..count];
+                        let first = (from + block) * count;
+                        Status::mark(&mut status[first..], answers, Status::NotConverged);
+                    }
+                    sequence.advance(block);
                 }
-                if !solved.all() {
-                    doubtful = true;
-                    let answers = &solved.answers()[..count];
-                    Status::mark(&mut status[block * count..], answers, Status::NotConverged);
-                }
+                from += length;
             }
         }
         repeat(wanted, whole * count);
@@ -137,6 +154,67 @@ impl<M: Model> Blocks<'_, '_, M> {
         }
         doubtful
     }
+}
+
+/// Blocks that are copied together from columns that are not contiguous.
+const COPIED: usize = 16;
+
+/// Consecutive blocks, with roots and quotients computed ahead.
+///
+/// A processor executes instructions out of order, but its window holds less than two blocks, so that it waits for the roots of each.
+/// Areas of triangles are therefore computed three blocks ahead, and [`Method::ahead`] two blocks ahead.
+struct Sequence<'l, S: Simd, M, W> {
+    simd: S,
+    task: &'l Task<'l>,
+    method: &'l W,
+    rods: [&'l [S::f64s]; 3],
+    /// Balls of this block and of the next two.
+    balls: [Balls<S>; 3],
+    /// What was computed ahead of this block and of the next one.
+    aheads: [Ahead<S>; 2],
+    model: PhantomData<M>,
+}
+
+impl<'l, S: Simd, M: Model, W: Method> Sequence<'l, S, M, W> {
+    #[inline(always)]
+    fn new(simd: S, task: &'l Task<'l>, method: &'l W, rods: [&'l [S::f64s]; 3]) -> Self {
+        let first = Balls::new(task.geometry, rods_at(simd, &rods, 0));
+        let second = Balls::new(task.geometry, rods_at(simd, &rods, 1));
+        let third = Balls::new(task.geometry, rods_at(simd, &rods, 2));
+        let aheads = [method.ahead::<S, M>(task, &first), method.ahead::<S, M>(task, &second)];
+        let balls = [first, second, third];
+        Self { simd, task, method, rods, balls, aheads, model: PhantomData }
+    }
+
+    /// Rods, balls and what was computed ahead of a block, after [`Self::advance`] for each block before.
+    #[inline(always)]
+    fn current(&self, block: usize) -> (Three<S>, Balls<S>, Ahead<S>) {
+        let rods = rods_at(self.simd, &self.rods, block);
+        let balls = if W::AHEAD { self.balls[0] } else { Balls::new(self.task.geometry, rods) };
+        (rods, balls, self.aheads[0])
+    }
+
+    /// Computes ahead for the blocks after this one, at its end: the compiler moves roots there anyway, and would store their operands until then.
+    #[inline(always)]
+    fn advance(&mut self, block: usize) {
+        if W::AHEAD {
+            let rods = rods_at(self.simd, &self.rods, block + 3);
+            let [_, next, after] = self.balls;
+            self.balls = [next, after, Balls::new(self.task.geometry, rods)];
+            self.aheads = [self.aheads[1], self.method.ahead::<S, M>(self.task, &after)];
+        }
+    }
+}
+
+/// The rods of a block, or of the last one beyond the end.
+#[inline(always)]
+fn rods_at<S: Simd>(simd: S, [q_1, q_2, q_3]: &[&[S::f64s]; 3], block: usize) -> Three<S> {
+    let block = block.min(q_1.len() - 1);
+    [
+        Lanes::from_register(simd, q_1[block]),
+        Lanes::from_register(simd, q_2[block]),
+        Lanes::from_register(simd, q_3[block]),
+    ]
 }
 
 /// Writes the values that are needed, each what [`value`](super::forward::value) is for one pose; returns the lanes that are met and whose values are valid.

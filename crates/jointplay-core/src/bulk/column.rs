@@ -126,6 +126,30 @@ impl<S: Simd> ColumnBlocks<'_, S> {
             (None, None) => self.column.lanes(simd, block * Lanes::<S>::COUNT),
         }
     }
+
+    /// Whether whole blocks are read from the column itself.
+    #[inline(always)]
+    pub(super) fn contiguous(&self) -> bool {
+        self.column.stride == 1
+    }
+
+    /// Consecutive blocks: of the column itself, or copied to a buffer.
+    #[inline(always)]
+    pub(super) fn some<'b>(
+        &'b self,
+        simd: S,
+        blocks: Range<usize>,
+        buffer: &'b mut [S::f64s],
+    ) -> &'b [S::f64s] {
+        if let Some(registers) = self.registers.get(blocks.clone()) {
+            return registers;
+        }
+        let copies = &mut buffer[..blocks.len()];
+        for (copy, block) in copies.iter_mut().zip(blocks) {
+            *copy = self.block(simd, block).register();
+        }
+        copies
+    }
 }
 
 impl<'a> From<&'a [f64]> for Column<'a> {

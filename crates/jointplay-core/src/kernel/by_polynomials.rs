@@ -2,7 +2,7 @@
 
 use pulp::{Scalar, Simd};
 
-use super::found::{Found, Gaps};
+use super::found::{Ahead, Found, Gaps};
 use super::geometry::{Geometry, Task};
 use super::joint_polynomials::{Coefficients, JOINTS, JointPolynomials, Order, SINE, TERMS};
 use super::lanes::{Lanes, MOST};
@@ -18,7 +18,12 @@ pub(crate) struct ByPolynomials<'p, const N: usize>(pub(crate) &'p JointPolynomi
 
 impl<const N: usize> Method for ByPolynomials<'_, N> {
     #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        _ahead: Ahead<S>,
+    ) -> Found<S> {
         self.0.found::<S, M, N>(task, balls)
     }
 

@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::by_polynomials::ByPolynomials;
-use super::found::Found;
+use super::found::{Ahead, Found};
 use super::geometry::{Geometry, Task};
 use super::joint_polynomials::{JointPolynomials, Order};
 use super::model::Model;
@@ -20,23 +20,31 @@ pub(crate) struct Chosen<'p>(pub(crate) Option<&'p JointPolynomials>);
 
 impl Method for Chosen<'_> {
     #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        ahead: Ahead<S>,
+    ) -> Found<S> {
         let any = balls.mean;
         // What a model never asks for is not compiled for it.
         match (self.0, task.solver) {
             (Some(polynomials), _) if M::SETTLES => match polynomials.order() {
                 Order::Three => any.outlined(
                     #[inline(always)]
-                    || ByPolynomials::<3>(polynomials).found::<S, M>(task, balls),
+                    || ByPolynomials::<3>(polynomials).found::<S, M>(task, balls, ahead),
                 ),
                 Order::Four => any.outlined(
                     #[inline(always)]
-                    || ByPolynomials::<4>(polynomials).found::<S, M>(task, balls),
+                    || ByPolynomials::<4>(polynomials).found::<S, M>(task, balls, ahead),
                 ),
             },
             (_, Solver::ClosedForm) if M::CLOSED_FORM => any.outlined(
                 #[inline(always)]
-                || ClosedForm.found::<S, M>(task, balls),
+                || {
+                    let ahead = ClosedForm.ahead::<S, M>(task, balls);
+                    ClosedForm.found::<S, M>(task, balls, ahead)
+                },
             ),
             (_, Solver::Newton) => any.outlined(
                 #[inline(always)]

@@ -36,6 +36,27 @@ pub(super) struct Laid<S: Simd> {
     pub(super) side: [Lanes<S>; 2],
     /// Centroid (m).
     pub(super) center: [Lanes<S>; 2],
+    /// [`Plane::factors`](super::plane::Plane::factors) of the balls.
+    pub(super) factors: [Lanes<S>; 2],
+}
+
+/// Numbers that most others of a block wait for, each from a root or a division: with many poses they are computed while the blocks before are finished.
+#[derive(Clone, Copy)]
+pub(crate) struct Ahead<S: Simd> {
+    /// Factor from the triangle of the balls, times a length, to that of the sockets.
+    pub(super) scale: Lanes<S>,
+    /// One over the square of the first side (1/m²); for the platform.
+    pub(super) per_square: Lanes<S>,
+    /// [`Plane::factors`](super::plane::Plane::factors) of the balls; for the platform.
+    pub(super) factors: [Lanes<S>; 2],
+}
+
+impl<S: Simd> Ahead<S> {
+    /// Of methods that compute nothing ahead.
+    #[inline(always)]
+    pub(crate) fn none(any: Lanes<S>) -> Self {
+        Self { scale: any, per_square: any, factors: [any; 2] }
+    }
 }
 
 /// By how much the sides are not met.

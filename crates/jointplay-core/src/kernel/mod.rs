@@ -21,7 +21,7 @@ mod trigonometry;
 
 pub(crate) use by_polynomials::ByPolynomials;
 pub(crate) use chosen::Chosen;
-pub(crate) use found::{Found, squared};
+pub(crate) use found::{Ahead, Found, squared};
 pub(crate) use geometry::{FirstStep, Geometry, Task};
 pub(crate) use joint_polynomials::{JointPolynomials, Order, Sample};
 pub(crate) use lanes::{Lanes, MOST, Mask};

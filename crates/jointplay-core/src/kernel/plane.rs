@@ -29,6 +29,15 @@ impl<S: Simd> Plane<S> {
         Self { across: [x, y, z], area }
     }
 
+    /// Factors from the upward normal to the unit normal n, and to n/(1 + n_z) (1/m²).
+    #[inline(always)]
+    pub(super) fn factors(&self) -> [Lanes<S>; 2] {
+        let ([_, _, z], area) = (self.across, self.area);
+        // Both with one division.
+        let both = z.times_plus(area, area * area).inverse();
+        [(area + z) * both, area * both]
+    }
+
     /// Square of the horizontal part of the normal times twice the area (m⁴).
     #[inline(always)]
     pub(crate) fn horizontal_squared(&self) -> Lanes<S> {

@@ -26,7 +26,7 @@ impl<S: Simd> PlatformPoses<S> {
     /// What [`fit_in_plane`](crate::spatial::fit_in_plane) does, for triangles that are equal to the threshold.
     #[inline(always)]
     pub(crate) fn new(geometry: &Geometry, balls: &Balls<S>, shape: &Shape<S>) -> Self {
-        let tilted = Tilted::new(&balls.plane);
+        let tilted = Tilted::new(&balls.plane, balls.plane.factors());
         let (mut cosine, mut sine) = (balls.mean.like(0.0), balls.mean.like(0.0));
         for k in 0..3 {
             let [onto_x, onto_y] = tilted.edge(geometry, balls, k);
@@ -51,7 +51,7 @@ impl<S: Simd> PlatformPoses<S> {
     /// As [`Self::new`], for a triangle whose sides are those of the balls to round-off: its first side is at that of the balls.
     #[inline(always)]
     pub(super) fn laid(geometry: &Geometry, balls: &Balls<S>, laid: &Laid<S>) -> Self {
-        let tilted = Tilted::new(&balls.plane);
+        let tilted = Tilted::new(&balls.plane, laid.factors);
         let [onto_x, onto_y] = tilted.edge(geometry, balls, 0);
         let [x, y] = laid.side;
         let cosine = x.times_plus(onto_x, y * onto_y);
@@ -67,7 +67,12 @@ impl<S: Simd> PlatformPoses<S> {
         InPlane { sine, center }: InPlane<S>,
     ) -> Self {
         let cosine = sine.times_from(sine, sine.like(1.0)).sqrt();
-        Tilted::new(&balls.plane).placed(geometry, balls, [cosine, sine], center)
+        Tilted::new(&balls.plane, balls.plane.factors()).placed(
+            geometry,
+            balls,
+            [cosine, sine],
+            center,
+        )
     }
 
     /// Axes of the platform frame in the base frame: columns of the rotation.
@@ -140,11 +145,8 @@ struct Tilted<S: Simd> {
 
 impl<S: Simd> Tilted<S> {
     #[inline(always)]
-    fn new(plane: &Plane<S>) -> Self {
-        let ([x, y, z], area) = (plane.across, plane.area);
-        // With n the normal: 1/(area (area + z)) gives both n and n/(1 + n_z) in one division.
-        let both = z.times_plus(area, area * area).inverse();
-        let (per_area, per_slope) = ((area + z) * both, area * both);
+    fn new(plane: &Plane<S>, [per_area, per_slope]: [Lanes<S>; 2]) -> Self {
+        let [x, y, z] = plane.across;
         let normal = [x * per_area, y * per_area, z * per_area];
         Self { normal, slope: [x * per_slope, y * per_slope] }
     }

@@ -5,7 +5,7 @@
 use pulp::Simd;
 
 use super::found::{
-    Found, Gaps, LEAST_NORM_STEPS, LEAST_PIVOT, Laid, NEWTON_STEPS, squared, unless, upright,
+    Ahead, Found, Gaps, LEAST_NORM_STEPS, LEAST_PIVOT, Laid, NEWTON_STEPS, squared, unless, upright,
 };
 use super::geometry::{Geometry, Task};
 use super::lanes::{Lanes, Mask};
@@ -20,7 +20,23 @@ use crate::virtualization::Solver;
 ///
 /// A type, so that a loop over poses can be compiled for each: with all of them in one loop the registers do not suffice.
 pub(crate) trait Method: Copy {
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S>;
+    /// Whether [`Self::ahead`] computes anything.
+    const AHEAD: bool = false;
+
+    /// What is computed of a block while the blocks before are finished.
+    #[inline(always)]
+    fn ahead<S: Simd, M: Model>(&self, _task: &Task<'_>, balls: &Balls<S>) -> Ahead<S> {
+        Ahead::none(balls.mean)
+    }
+
+    /// # Arguments
+    /// * `ahead` – from [`Self::ahead`]
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        ahead: Ahead<S>,
+    ) -> Found<S>;
 
     /// The platforms for the virtual joints found.
     #[inline(always)]
@@ -53,9 +69,23 @@ pub(super) fn placed<S: Simd, M: Model>(
 pub(crate) struct ClosedForm;
 
 impl Method for ClosedForm {
+    const AHEAD: bool = true;
+
     #[inline(always)]
-    fn found<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
-        if M::TOWARD_SOCKET { radial(task, balls) } else { planar(task, balls) }
+    fn ahead<S: Simd, M: Model>(&self, task: &Task<'_>, balls: &Balls<S>) -> Ahead<S> {
+        let [scale, per_square] =
+            if M::TOWARD_SOCKET { per_sum(balls) } else { per_fit(task, balls) };
+        Ahead { scale, per_square, factors: balls.plane.factors() }
+    }
+
+    #[inline(always)]
+    fn found<S: Simd, M: Model>(
+        &self,
+        task: &Task<'_>,
+        balls: &Balls<S>,
+        ahead: Ahead<S>,
+    ) -> Found<S> {
+        if M::TOWARD_SOCKET { radial(task, balls, ahead) } else { planar(task, balls, ahead) }
     }
 }
 
@@ -64,7 +94,10 @@ impl Method for ClosedForm {
 pub(crate) fn solved<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     match task.solver {
         Solver::Newton => newton::<S, M>(task, balls),
-        Solver::ClosedForm if M::CLOSED_FORM => ClosedForm.found::<S, M>(task, balls),
+        Solver::ClosedForm if M::CLOSED_FORM => {
+            let ahead = ClosedForm.ahead::<S, M>(task, balls);
+            ClosedForm.found::<S, M>(task, balls, ahead)
+        }
         _ => least_norm::<S, M>(task, balls),
     }
 }
@@ -172,9 +205,23 @@ pub(super) fn least_norm<S: Simd, M: Model>(task: &Task<'_>, balls: &Balls<S>) -
     end(task, &shape, missing, iterations, met)
 }
 
+/// One over the product of the first side and the length of the fit, by which [`planar`] scales the triangle of the balls (1/m³), and one over the square of the first side (1/m²).
+#[inline(always)]
+fn per_fit<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> [Lanes<S>; 2] {
+    let ([l_12, l_23, l_31], area) = (balls.squares, balls.plane.area);
+    // |Σ c_k f_k|² of complex numbers is linear in squared sides and area of the c_k.
+    let ([k_12, k_23, k_31], by_area) = task.geometry.fit;
+    let square = l_31.times_plus(l_31.like(k_31), l_12.times_plus(l_12.like(k_12), l_23 * k_23));
+    let square = area.times_plus(area.like(by_area), square);
+    // The root and the division side by side.
+    let both = (square * l_12).inverse();
+    [square.sqrt() * both, square * both]
+}
+
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
 #[inline(always)]
-fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>, ahead: Ahead<S>) -> Found<S> {
+    let Ahead { scale, factors, .. } = ahead;
     let nominal = &task.geometry.from_center;
     let [_, [x_2, y_2], [x_3, y_3]] = *nominal;
     let [l_12, l_23, l_31] = balls.squares;
@@ -185,12 +232,6 @@ fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     // The turn about its centroid that brings it nearest to the nominal sockets, not to scale.
     let cosine = up.times_plus(up.like(y_3), along.times_plus(along.like(x_3), l_12 * x_2));
     let sine = up.times_from(up.like(x_3), along.times_plus(along.like(y_3), l_12 * y_2));
-    // Its length, for the triangle to scale: |Σ c_k f_k|² of complex numbers is linear in squared sides and area of the c_k.
-    let ([k_12, k_23, k_31], by_area) = task.geometry.fit;
-    let square = l_31.times_plus(l_31.like(k_31), l_12.times_plus(l_12.like(k_12), l_23 * k_23));
-    let square = area.times_plus(area.like(by_area), square);
-    // The root and the division side by side, and what does not need the scale meanwhile.
-    let scale = square.sqrt() * (square * l_12).inverse();
     let second = [cosine * l_12, sine * l_12];
     let third = [sine.times_from(up, cosine * along), sine.times_plus(along, cosine * up)];
     let mut joints = [[scale; 3]; 2];
@@ -207,19 +248,29 @@ fn planar<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
     let laid = Laid {
         side: [cosine * scale, sine * scale],
         center: task.geometry.socket_center.map(|center| scale.like(center)),
+        factors,
     };
     closed(task, joints, missing(&edges, balls), laid)
 }
 
+/// One over the sum of the three slides (1/m), and one over the square of the first side (1/m²).
+#[inline(always)]
+fn per_sum<S: Simd>(balls: &Balls<S>) -> [Lanes<S>; 2] {
+    let ([l_12, l_23, l_31], area) = (balls.squares, balls.plane.area);
+    let half = (l_12 + l_31 + l_23) * 0.5;
+    let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
+    // The root and the division side by side; one over l_12 alone would be moved to its use by the compiler, and not be computed ahead.
+    let both = (square * l_12).inverse();
+    [square.sqrt() * square.inverse(), square * both]
+}
+
 /// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
 #[inline(always)]
-fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
+fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>, ahead: Ahead<S>) -> Found<S> {
+    let Ahead { scale: per_sum, per_square, factors } = ahead;
     let area = balls.plane.area;
     let [l_12, l_23, l_31] = balls.squares;
     let half = (l_12 + l_31 + l_23) * 0.5;
-    let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
-    // One over the sum of the three slides, whose square this is: the root and the division side by side.
-    let per_sum = square.sqrt() * square.inverse();
     let third = area.times_plus(area.like(1.0 / 3.0_f64.sqrt()), half);
     let slides = [(third - l_23) * per_sum, (third - l_31) * per_sum, (third - l_12) * per_sum];
     let mut missing = balls.squares;
@@ -230,11 +281,11 @@ fn radial<S: Simd>(task: &Task<'_>, balls: &Balls<S>) -> Found<S> {
         let along = next.times_plus(next.like(-2.0 * cosine), own);
         *missing = next.times_from(next, own.times_from(along, *missing));
     }
-    let zero = square.like(0.0);
+    let zero = area.like(0.0);
     let shape = Shape::at::<model::Radial>(task.geometry, slides, [zero; 3]);
-    let (per_square, [first, _, _]) = (l_12.inverse(), shape.edges);
-    let laid =
-        Laid { side: [first[0] * per_square, first[1] * per_square], center: shape.center() };
+    let [first, _, _] = shape.edges;
+    let side = [first[0] * per_square, first[1] * per_square];
+    let laid = Laid { side, center: shape.center(), factors };
     let found = closed(task, [slides, [zero; 3]], missing, laid);
     let outward = zero.below(slides[0].min(slides[1]).min(slides[2]));
     Found { met: found.met & outward, ..found }
