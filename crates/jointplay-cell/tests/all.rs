@@ -10,6 +10,7 @@ mod raised_steps;
 mod reach;
 mod remedies;
 mod schedule;
+mod slides;
 mod teach;
 mod trajectory;
 mod wafer_acceleration;

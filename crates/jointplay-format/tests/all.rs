@@ -25,6 +25,7 @@ mod pose_commands;
 mod program;
 mod program_in_cell;
 mod program_language;
+mod slide_arms;
 mod small_cell;
 mod study;
 mod suggestions;

@@ -140,6 +140,9 @@ impl Cell {
             return Ok(Ok(None));
         }
         let line = self.planar_line(effector, station)?;
+        if !self.robot.plans_postures(effector, line.heading.is_some()) {
+            return Ok(Ok(None));
+        }
         Ok(
             match self
                 .robot

@@ -149,7 +149,7 @@ impl HybridRobot {
         let ranges = self.ranges(chain);
         let arm_seed = chain.arm_positions(seed);
         let decomposition = Decomposition::new(chain);
-        let is_free = is_free(chain, decomposition.as_ref());
+        let is_free = heading_is_free(chain);
         let with_heading = target.heading.is_some() && is_free;
         let heading = heading.filter(|_| is_free);
         let mut branches: Vec<Branch> = Vec::new();
@@ -200,14 +200,21 @@ impl HybridRobot {
         let mut out_of_reach = None;
         let mut configuration = Configuration::default();
         match &decomposition {
-            Some(decomposition) => {
+            Some(decomposition) if decomposition.is_closed(heading.is_some()) => {
                 configuration = decomposition.configuration(chain, &arm_seed);
                 let seed = &arm_seed;
                 let solver = Solver { chain, decomposition, ranges: &ranges, seed, redundancy };
                 out_of_reach = solver.solve(point, heading, &mut add);
             }
-            None => {
-                for arm_positions in solutions(chain, &ranges, &point, heading, &arm_seed) {
+            decomposition => {
+                let found = solutions(chain, &ranges, &point, heading, &arm_seed);
+                let found = match decomposition {
+                    Some(decomposition) => {
+                        Revolutions::of(decomposition).all_within(&found, &ranges)
+                    }
+                    None => found,
+                };
+                for arm_positions in found {
                     add(&arm_positions, Configuration::default());
                 }
             }
@@ -233,8 +240,7 @@ impl HybridRobot {
     /// [`CellError::NoSuchEffector`]
     pub fn heading_is_free(&self, id: EffectorId) -> Result<bool, CellError> {
         self.check_effector(id)?;
-        let chain = ArmChain::new(self, id);
-        Ok(is_free(&chain, Decomposition::new(&chain).as_ref()))
+        Ok(heading_is_free(&ArmChain::new(self, id)))
     }
 
     pub(super) fn ranges(&self, chain: &ArmChain) -> Ranges {
@@ -296,11 +302,8 @@ fn beyond_all_links(chain: &ArmChain, point: &Vector2<f64>) -> Option<OutOfReach
 }
 
 /// Whether motors are left over for the heading.
-fn is_free(chain: &ArmChain, decomposition: Option<&Decomposition>) -> bool {
-    match decomposition {
-        Some(decomposition) => decomposition.last.is_some(),
-        None => chain.axes().len() > 2,
-    }
+fn heading_is_free(chain: &ArmChain) -> bool {
+    chain.axes().len() > 2
 }
 
 struct Solver<'a> {
@@ -322,7 +325,7 @@ impl Solver<'_> {
         let revolutions = Revolutions::of(decomposition);
         let mut point = point - chain.origin;
         let last = heading.map(|heading| heading - chain.heading.0);
-        if decomposition.first.is_some() || (decomposition.last.is_some() && last.is_none()) {
+        if decomposition.is_redundant(last.is_some()) {
             let redundant = Redundant::new(
                 chain,
                 decomposition,
@@ -358,6 +361,7 @@ impl Solver<'_> {
             &point,
             Configuration::default(),
             [now[0], now[1]],
+            0.0,
         ) {
             Ok(solutions) => solutions,
             Err(out_of_reach) => return Some(out_of_reach),

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::decomposition::{BeltDrivenLink, Decomposition, Link, Pair};
+use super::decomposition::{BeltDrivenLink, Decomposition, FreeSlide, Link, Pair};
 use super::solution::{Configuration, Elbow, OutOfReach, ReachDirection};
 use crate::robot::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
 
@@ -38,6 +38,7 @@ impl Decomposition {
     ///
     /// # Arguments
     /// * `like` – values of the pair that decide where any direction would do
+    /// * `extension` – extension of a free prismatic joint (m)
     #[inline]
     pub(super) fn solve_links(
         &self,
@@ -45,11 +46,23 @@ impl Decomposition {
         point: &Vector2<f64>,
         wanted: Configuration,
         like: [f64; 2],
+        extension: f64,
     ) -> Result<PairSolutions, OutOfReach> {
-        match &self.pair {
-            Pair::Links(pair) => links(pair, point, wanted, like),
-            Pair::Belt(pair, belt_driven_link) => belt(pair, belt_driven_link, point, wanted, like),
-            Pair::Prismatic(g) => {
+        match (&self.pair, self.slide) {
+            (Pair::Links(pair), Some(FreeSlide { link_vector, .. })) => {
+                let pair = pair.map(|link| match link.link_vector {
+                    k if k == link_vector => {
+                        Link::from_vector(k, &self.extended(chain, k, extension))
+                    }
+                    _ => link,
+                });
+                links(&pair, point, wanted, like)
+            }
+            (Pair::Links(pair), None) => links(pair, point, wanted, like),
+            (Pair::Belt(pair, belt_driven_link), _) => {
+                belt(pair, belt_driven_link, point, wanted, like)
+            }
+            (Pair::Prismatic(g), _) => {
                 let prismatic_joints = chain.prismatic_joints();
                 prismatic(
                     &chain.link_vectors()[*g],
@@ -105,8 +118,7 @@ impl Decomposition {
         arm_positions: &[f64; 4],
     ) -> Configuration {
         let link_vectors = chain.link_vectors();
-        let at =
-            |k: usize| turned(&link_vectors[k].vector, dot(&link_vectors[k].turn, arm_positions));
+        let at = |k: usize| self.rotated(chain, k, arm_positions);
         match &self.pair {
             Pair::Links([i, j]) => Configuration {
                 elbow: elbow(-at(i.link_vector).perp(&at(j.link_vector))),

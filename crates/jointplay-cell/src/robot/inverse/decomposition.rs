@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector2};
 
-use crate::robot::arm_chain::{ArmChain, ArmVector, LinkVector, turned};
+use crate::robot::arm_chain::{ArmChain, ArmVector, LinkVector, dot, turned};
 
 /// Relative difference of length up to which links of a belt-coupled arm count as equally long.
 const SAME_LENGTH: f64 = 1e-12;
@@ -40,7 +40,16 @@ pub(super) struct BeltDrivenLink {
     pub(super) vector: Vector2<f64>,
 }
 
-/// The unknowns of an arm: the two of the pair, then the angle of the last link, then that of the first.
+/// A prismatic joint whose extension is free, while two rotating links place the wafer's centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FreeSlide {
+    /// Index of the extension among the unknowns: that of the first link, or that of the last link where the last link is part of the pair.
+    pub(super) unknown: usize,
+    /// The link vector that rotates with the joint, and that it lengthens.
+    pub(super) link_vector: usize,
+}
+
+/// The unknowns of an arm: the two of the pair, then the angle of the last link, then that of the first; an extension is in the place of a link that the arm does not have.
 ///
 /// ```text
 ///    y = Y a        y: unknowns,   a: positions of the axes;   as many of both, `count`
@@ -52,6 +61,8 @@ pub(super) struct Decomposition {
     pub(super) last: Option<usize>,
     /// Link at the platform, where it is not part of the pair.
     pub(super) first: Option<usize>,
+    /// Prismatic joint that is not part of the pair.
+    pub(super) slide: Option<FreeSlide>,
     pub(super) count: usize,
     /// Y⁻¹, padded with the identity.
     pub(super) inverse: Matrix4<f64>,
@@ -62,6 +73,10 @@ pub(super) struct Decomposition {
 impl Decomposition {
     /// The decomposition of an arm; `None` where the arm has no closed form.
     pub(super) fn new(chain: &ArmChain) -> Option<Self> {
+        Self::without_free_slide(chain).or_else(|| Self::with_free_slide(chain))
+    }
+
+    fn without_free_slide(chain: &ArmChain) -> Option<Self> {
         let count = chain.axes().len();
         let link_vectors = chain.link_vectors();
         let mut rest: [usize; 4] = [0; 4];
@@ -101,18 +116,91 @@ impl Decomposition {
             last.map(|k| &link_vectors[k].turn),
             first.map(|k| &link_vectors[k].turn),
         ];
+        Self { last, first, ..Self::from_rows(pair, rows, count)? }.into()
+    }
+
+    /// Two links that place the wafer's centre, while the extension of a prismatic joint is free.
+    fn with_free_slide(chain: &ArmChain) -> Option<Self> {
+        let (count, link_vectors) = (chain.axes().len(), chain.link_vectors());
+        let [prismatic] = chain.prismatic_joints() else { return None };
+        let rotates_as = |turn: &ArmVector| link_vectors.iter().position(|it| it.turn == *turn);
+        let last = if count > 3 { Some(rotates_as(&chain.heading.1)?) } else { None };
+        let mut links = (0..link_vectors.len()).filter(|&k| Some(k) != last);
+        let (Some(i), Some(j), None) = (links.next(), links.next(), links.next()) else {
+            return None;
+        };
+        let pair = Pair::Links([i, j].map(|k| Link::of(link_vectors, k)));
+        let mut rows = [Some(&link_vectors[i].turn), Some(&link_vectors[j].turn), None, None];
+        rows[2] = last.map(|k| &link_vectors[k].turn);
+        let unknown = count - 1;
+        *rows.get_mut(unknown)? = Some(&prismatic.extension);
+        let slide = FreeSlide { unknown, link_vector: rotates_as(&prismatic.along.turn)? };
+        Some(Self { last, slide: Some(slide), ..Self::from_rows(pair, rows, count)? })
+    }
+
+    fn from_rows(pair: Pair, rows: [Option<&ArmVector>; 4], count: usize) -> Option<Self> {
+        let used = rows.iter().flatten().count();
         let mut forward = Matrix4::identity();
         for (r, row) in rows.into_iter().enumerate() {
             if let Some(row) = row {
                 forward.set_row(r, &nalgebra::RowVector4::from_row_slice(row));
             }
         }
-        let used = 2 + usize::from(last.is_some()) + usize::from(first.is_some());
         if used != count || forward.determinant().abs() < 1e-9 {
             return None;
         }
         let inverse = forward.try_inverse()?;
-        Some(Self { pair, last, first, count, inverse, forward })
+        Some(Self { pair, last: None, first: None, slide: None, count, inverse, forward })
+    }
+
+    /// Whether the arm has more motors than a target needs.
+    pub(super) fn is_redundant(&self, prescribes_heading: bool) -> bool {
+        self.count > 2 + usize::from(prescribes_heading)
+    }
+
+    /// Whether the pair follows in closed form: not where a prescribed heading fixes one of its links.
+    pub(super) fn is_closed(&self, prescribes_heading: bool) -> bool {
+        self.last.is_some() || self.slide.is_none() || !prescribes_heading
+    }
+
+    /// Whether an unknown is the angle of a link, and not an extension.
+    #[inline]
+    pub(super) fn is_angle(&self, unknown: usize) -> bool {
+        (unknown != 1 || !matches!(self.pair, Pair::Prismatic(_)))
+            && self.slide.is_none_or(|slide| slide.unknown != unknown)
+    }
+
+    /// Extension of the free prismatic joint for given free unknowns, 0 for other arms (m).
+    #[inline]
+    pub(super) fn free_extension(&self, free: [f64; 2]) -> f64 {
+        self.slide.map_or(0.0, |slide| free[slide.unknown - 2])
+    }
+
+    /// A link vector where all axes are at zero, but for the extension of the free prismatic joint (m).
+    #[inline]
+    pub(super) fn extended(&self, chain: &ArmChain, k: usize, extension: f64) -> Vector2<f64> {
+        let vector = chain.link_vectors()[k].vector;
+        match self.slide {
+            Some(slide) if slide.link_vector == k => {
+                vector + chain.prismatic_joints()[0].along.vector * extension
+            }
+            _ => vector,
+        }
+    }
+
+    /// A link vector at positions of the axes (m).
+    pub(super) fn rotated(
+        &self,
+        chain: &ArmChain,
+        k: usize,
+        arm_positions: &ArmVector,
+    ) -> Vector2<f64> {
+        let extension = match (self.slide, chain.prismatic_joints()) {
+            (Some(_), [prismatic]) => dot(&prismatic.extension, arm_positions),
+            _ => 0.0,
+        };
+        let turn = dot(&chain.link_vectors()[k].turn, arm_positions);
+        turned(&self.extended(chain, k, extension), turn)
     }
 
     /// Positions of the axes for given unknowns.
@@ -130,7 +218,10 @@ impl Decomposition {
 
 impl Link {
     fn of(link_vectors: &[LinkVector], link_vector: usize) -> Self {
-        let vector = &link_vectors[link_vector].vector;
+        Self::from_vector(link_vector, &link_vectors[link_vector].vector)
+    }
+
+    pub(super) fn from_vector(link_vector: usize, vector: &Vector2<f64>) -> Self {
         Self { link_vector, length: vector.norm(), angle: vector.y.atan2(vector.x) }
     }
 }

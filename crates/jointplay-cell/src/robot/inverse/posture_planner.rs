@@ -13,6 +13,13 @@ use crate::robot::hybrid_robot::{EffectorId, HybridRobot};
 const REFINEMENT: usize = 2;
 
 impl HybridRobot {
+    /// Whether [`Self::posture_candidates`] follows lines of an arm: an arm whose free motor is a slide has none with a prescribed heading.
+    pub(crate) fn plans_postures(&self, id: EffectorId, prescribes_heading: bool) -> bool {
+        let chain = ArmChain::new(self, id);
+        chain.axes().len() > 2
+            && Decomposition::new(&chain).is_some_and(|it| it.is_closed(prescribes_heading))
+    }
+
     /// Whether an arm can hold its wafer at a point in several postures that a path connects: it has motors to spare, or a pair of links with two elbows and a heading to keep.
     pub(crate) fn has_posture_paths(&self, id: EffectorId) -> bool {
         let chain = ArmChain::new(self, id);

@@ -1,12 +1,12 @@
 //! Shortest path through a grid of an arm's postures along a path of its wafer.
 
 use std::array::from_fn;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector2;
 
 use super::barrier::of_limits;
-use super::closed_form::PairSolution;
+use super::closed_form::{PairSolution, PairSolutions};
 use super::decomposition::{Decomposition, Pair};
 use super::posture_path::{NoPosturePath, PlanarPath};
 use super::revolutions::{Ranges, Revolutions};
@@ -28,6 +28,8 @@ const FINE_FACTOR: usize = 2;
 const MAX_ROTATION: f64 = 0.8;
 /// Largest change of a prismatic joint between neighbouring samples, in distances of samples.
 const MAX_TRANSLATION: f64 = 4.0;
+/// Largest distance of neighbouring grid values of a free extension (m).
+const EXTENSION_STEP: f64 = 0.015;
 /// Weight of the limits of axes, and of the stretched arm, against the squared duration of the path (s²).
 pub(super) const LIMIT_WEIGHT: f64 = 0.02;
 /// Weight of curvature against the squared duration.
@@ -38,7 +40,7 @@ const HOME_WEIGHT: f64 = 0.05;
 /// A posture at a sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Posture {
-    /// Angle of the last link vector and of the first, where they are free (rad).
+    /// Angle of the last link vector and of the first, or an extension in the place of one, where they are free (rad or m).
     pub(super) free: [f64; 2],
     pub(super) unknown: ArmVector,
     pub(super) arm_positions: ArmVector,
@@ -75,7 +77,7 @@ pub(super) struct PostureSearch<'a> {
     revolutions: Revolutions,
     pub(super) ranges: Ranges,
     path: &'a PlanarPath,
-    /// Whether the last and the first link vector are free.
+    /// Whether the last and the first unknown are free.
     pub(super) is_free: [bool; 2],
     /// Number of intervals between samples.
     pub(super) intervals: usize,
@@ -88,8 +90,10 @@ pub(super) struct PostureSearch<'a> {
     pub(super) home: ArmVector,
     /// Root of the weight of the distance of the first posture from home, over the velocity limit of each axis; zero for axes that turn the whole arm (s/m or s/rad).
     pub(super) home_weights: ArmVector,
-    /// Largest change of the pair between samples (rad, or m).
-    largest: [f64; 2],
+    /// Largest change of each unknown between samples (rad, or m).
+    largest: ArmVector,
+    /// Least and largest extension of a free prismatic joint (m).
+    extensions: [f64; 2],
 }
 
 impl<'a> PostureSearch<'a> {
@@ -99,8 +103,11 @@ impl<'a> PostureSearch<'a> {
         decomposition: &'a Decomposition,
         path: &'a PlanarPath,
     ) -> Self {
-        let is_free =
-            [decomposition.last.is_some() && path.heading.is_none(), decomposition.first.is_some()];
+        let slides = |unknown| decomposition.slide.is_some_and(|it| it.unknown == unknown);
+        let is_free = [
+            (decomposition.last.is_some() && path.heading.is_none()) || slides(2),
+            decomposition.first.is_some() || slides(3),
+        ];
         let count = is_free.iter().filter(|free| **free).count();
         let [grid, neighbourhood] = [GRID, NEIGHBOURHOOD].map(|both| both[count.saturating_sub(1)]);
         let intervals = (path.length() / SAMPLE_DISTANCE).ceil() as usize;
@@ -114,25 +121,58 @@ impl<'a> PostureSearch<'a> {
             }
         }
         let slide = MAX_TRANSLATION * path.length() / intervals as f64;
-        let largest = match decomposition.pair {
-            Pair::Prismatic(_) => [MAX_ROTATION, slide],
-            Pair::Links(_) | Pair::Belt(..) => [MAX_ROTATION; 2],
+        let largest = from_fn(|unknown| match unknown {
+            _ if !decomposition.is_angle(unknown) => slide,
+            0 | 1 => MAX_ROTATION,
+            _ => PI,
+        });
+        let ranges = robot.ranges(chain);
+        let extensions = decomposition.extension_range(&ranges);
+        let steps = ((extensions[1] - extensions[0]) / EXTENSION_STEP).ceil() as usize;
+        let values = |f: usize| match f {
+            _ if !is_free[f] => 1,
+            _ if slides(2 + f) => steps.clamp(1, grid) + 1,
+            _ => grid,
         };
         Self {
             chain,
             decomposition,
             revolutions: Revolutions::of(decomposition),
-            ranges: robot.ranges(chain),
+            ranges,
             path,
             is_free,
             intervals,
-            grid: is_free.map(|free| if free { grid } else { 1 }),
+            grid: from_fn(values),
             neighbourhood,
             inverse_speed,
             home,
             home_weights,
             largest,
+            extensions,
         }
+    }
+
+    /// Value of a free unknown on the grid.
+    fn grid_value(&self, f: usize, index: usize) -> f64 {
+        let count = self.grid[f];
+        if self.decomposition.is_angle(2 + f) {
+            return TAU * index as f64 / count as f64;
+        }
+        let [least, most] = self.extensions;
+        least + (most - least) * index as f64 / (count - 1) as f64
+    }
+
+    /// The pair for given free unknowns.
+    fn solve_pair(
+        &self,
+        point: &Vector2<f64>,
+        free: [f64; 2],
+        wanted: Configuration,
+        like: [f64; 2],
+    ) -> Option<PairSolutions> {
+        let spanned = self.spanned(point, free);
+        let extension = self.decomposition.free_extension(free);
+        self.decomposition.solve_links(self.chain, &spanned, wanted, like, extension).ok()
     }
 
     /// The search on a finer grid, which finds narrower passages and takes about sixteen times as long for each pair of free angles.
@@ -146,10 +186,11 @@ impl<'a> PostureSearch<'a> {
     fn spanned(&self, point: &Vector2<f64>, free: [f64; 2]) -> Vector2<f64> {
         let mut spanned = point - self.chain.origin;
         let angles = [self.last_angle(free), free[1]];
+        let extension = self.decomposition.free_extension(free);
         let links = [self.decomposition.last, self.decomposition.first];
         for (link, angle) in links.into_iter().zip(angles) {
             if let Some(k) = link {
-                spanned -= turned(&self.chain.link_vectors()[k].vector, angle);
+                spanned -= turned(&self.decomposition.extended(self.chain, k, extension), angle);
             }
         }
         spanned
@@ -214,13 +255,9 @@ impl<'a> PostureSearch<'a> {
         let mut layer = Layer { postures: Vec::new(), bins: vec![0] };
         for i in 0..self.grid[0] {
             for j in 0..self.grid[1] {
-                let free =
-                    [TAU * i as f64 / self.grid[0] as f64, TAU * j as f64 / self.grid[1] as f64];
-                let spanned = self.spanned(&point, free);
+                let free = [self.grid_value(0, i), self.grid_value(1, j)];
                 let any = Configuration::default();
-                if let Ok(found) =
-                    self.decomposition.solve_links(self.chain, &spanned, any, [0.0; 2])
-                {
+                if let Some(found) = self.solve_pair(&point, free, any, [0.0; 2]) {
                     for found in found.iter().flatten() {
                         let arm_positions =
                             self.decomposition.positions(&self.unknown(found, free));
@@ -246,8 +283,7 @@ impl<'a> PostureSearch<'a> {
 
     /// Whether two neighbouring postures are on one branch.
     pub(super) fn is_continuous(&self, from: &Posture, to: &Posture) -> bool {
-        (0..2).all(|r| (to.unknown[r] - from.unknown[r]).abs() <= self.largest[r])
-            && (2..4).all(|r| (to.unknown[r] - from.unknown[r]).abs() < std::f64::consts::PI)
+        (0..4).all(|r| (to.unknown[r] - from.unknown[r]).abs() <= self.largest[r])
             && from.configuration.agrees_with(to.configuration)
     }
 
@@ -375,10 +411,8 @@ impl<'a> PostureSearch<'a> {
         free: [f64; 2],
         seed: &Posture,
     ) -> Option<Posture> {
-        let spanned = self.spanned(&self.path.at(fraction), free);
         let pair = [seed.unknown[0], seed.unknown[1]];
-        let found =
-            self.decomposition.solve_links(self.chain, &spanned, seed.configuration, pair).ok()?;
+        let found = self.solve_pair(&self.path.at(fraction), free, seed.configuration, pair)?;
         let found = found.into_iter().flatten().next()?;
         let unknown = self.decomposition.wrapped(&self.unknown(&found, free), &seed.unknown);
         let arm_positions = self.decomposition.positions(&unknown);

@@ -1,5 +1,7 @@
 //! Redundancy resolution: the positions chosen where an arm has more motors than the target needs.
 
+mod extension;
+
 use std::array::from_fn;
 
 use nalgebra::{Matrix2, Vector2};
@@ -34,7 +36,7 @@ const MAX_STARTS: usize = 48;
 /// Reach of a radial arm, as a fraction of the length of its last link, at which the barrier at the change of its reach direction costs 1.
 const MIN_REACH: f64 = 0.1;
 
-/// The free angles of an arm: of its first and of its last link vector.
+/// The free unknowns of an arm: angles of its first and of its last link vector, or an extension.
 pub(super) struct Redundant<'a> {
     chain: &'a ArmChain,
     decomposition: &'a Decomposition,
@@ -46,6 +48,8 @@ pub(super) struct Redundant<'a> {
     last: Option<f64>,
     /// Indices of the links whose angles are free.
     free: [Option<usize>; 2],
+    /// Whether the last and the first unknown are free.
+    is_free: [bool; 2],
     /// Unknowns at the present positions.
     seed: ArmVector,
     /// Position of each axis, from −1 at one limit to 1 at the other, for each unit of each unknown.
@@ -102,6 +106,8 @@ impl<'a> Redundant<'a> {
         let held = decomposition.last.zip(last).map(|(k, turn)| turned(vector(k), turn));
         let point = point - held.unwrap_or_else(Vector2::zeros);
         let free = [decomposition.last.filter(|_| last.is_none()), decomposition.first];
+        let slides = |unknown| decomposition.slide.is_some_and(|it| it.unknown == unknown);
+        let is_free = [free[0].is_some() || slides(2), free[1].is_some() || slides(3)];
         let seed = decomposition.unknown(seed);
         Self {
             chain,
@@ -111,6 +117,7 @@ impl<'a> Redundant<'a> {
             point,
             last,
             free,
+            is_free,
             seed,
             by_unknown,
             at_zero,
@@ -123,7 +130,7 @@ impl<'a> Redundant<'a> {
     ///
     /// The free angles descend while the pair follows in closed form, so that it never leaves its configuration:
     /// each step minimizes a second-order model of u and cos β.
-    /// The start is the present position, or the same pose by other revolutions where that violates a limit.
+    /// The start is the present position, or the same pose by other revolutions where that violates a limit; an arm with a free extension also starts from a grid where this leads out of limits.
     pub(super) fn away_from_limits(&self, configuration: Configuration) -> Option<ArmVector> {
         let here = self.candidate([self.seed[2], self.seed[3]], configuration, &self.seed);
         let here = here.map(|here| self.wrapped_to_limits(here));
@@ -134,6 +141,21 @@ impl<'a> Redundant<'a> {
                 None => return here.map(|here| self.decomposition.positions(&here.unknown)),
             },
         };
+        now = self.descended(now, configuration);
+        if self.decomposition.slide.is_some() && !self.is_within(&now) {
+            let starts = STARTS.iter().filter_map(|&count| self.start(count, configuration));
+            let mut found = starts.map(|start| self.descended(start, configuration));
+            now = found.find(|found| self.is_within(found)).unwrap_or(now);
+        }
+        let taken = match stretched {
+            Some(stretched) if self.is_within(&stretched) && !self.is_within(&now) => stretched,
+            _ => now,
+        };
+        Some(self.decomposition.positions(&taken.unknown))
+    }
+
+    /// The local minimum of the cost near a place.
+    fn descended(&self, mut now: Candidate, configuration: Configuration) -> Candidate {
         let mut radius = MAX_STEP;
         for _ in 0..MAX_ITERATIONS {
             let found = self.model(&now).and_then(|model| model.least(radius));
@@ -157,11 +179,7 @@ impl<'a> Redundant<'a> {
                 _ => radius = 0.3 * size,
             }
         }
-        let taken = match stretched {
-            Some(stretched) if self.is_within(&stretched) && !self.is_within(&now) => stretched,
-            _ => now,
-        };
-        Some(self.decomposition.positions(&taken.unknown))
+        now
     }
 
     /// The positions of a given configuration whose free links have the directions of the present positions.
@@ -211,6 +229,9 @@ impl<'a> Redundant<'a> {
             (if link_vector.is_some() { count } else { 1 }, reached)
         };
         let [last, first] = self.free;
+        if self.decomposition.slide.is_some() {
+            return self.start_with_extension(count, configuration);
+        }
         let (lasts, by_last) = raster(last);
         let (firsts, by_first) = raster(first);
         let mut best: Option<Candidate> = None;
@@ -254,9 +275,17 @@ impl<'a> Redundant<'a> {
             Some(k) => turned(&self.chain.link_vectors()[k].vector, free[f]),
             None => Vector2::zeros(),
         });
-        let point = self.point - link_vectors[0] - link_vectors[1];
-        let solutions =
-            self.decomposition.solve_links(self.chain, &point, configuration, [0.0; 2]).ok()?;
+        let mut point = self.point - link_vectors[0] - link_vectors[1];
+        let extension = self.decomposition.free_extension(free);
+        if let Some(slide) = self.decomposition.slide
+            && Some(slide.link_vector) == self.decomposition.last
+        {
+            let along = self.chain.prismatic_joints()[0].along.vector * extension;
+            point -= turned(&along, self.last.unwrap_or(free[0]));
+        }
+        let pair =
+            self.decomposition.solve_links(self.chain, &point, configuration, [0.0; 2], extension);
+        let solutions = pair.ok()?;
         let found = solutions.into_iter().flatten().next()?;
         let unknown = [found.pair[0], found.pair[1], self.last.unwrap_or(free[0]), free[1]];
         let unknown = self.decomposition.wrapped(&unknown, seed);
@@ -325,6 +354,9 @@ impl<'a> Redundant<'a> {
     /// ```
     /// for the pair p, the derivatives S and S_ij of its span, and the derivatives w_f and w_fg of the free link vectors.
     fn model(&self, now: &Candidate) -> Option<Model> {
+        if self.decomposition.slide.is_some() {
+            return self.difference_model(now);
+        }
         let span = self.decomposition.span_change(&now.found, &now.point);
         let inverse = Matrix2::from_columns(&span.velocities).try_inverse()?;
         let [a, b] = &now.link_vectors;
@@ -336,7 +368,7 @@ impl<'a> Redundant<'a> {
             inverse * (inward - change)
         };
         let bends = [bent(&p, &p, a), bent(&p, &q, &Vector2::zeros()), bent(&q, &q, b)];
-        let free = self.free.map(|link_vector| link_vector.is_some());
+        let free = self.is_free;
         let by = &self.by_unknown;
         let by_pair = |pair: &Vector2<f64>| from_fn(|t| by[0][t] * pair[0] + by[1][t] * pair[1]);
         let mut slopes: [PerAxis; 2] = [by_pair(&p), by_pair(&q)];

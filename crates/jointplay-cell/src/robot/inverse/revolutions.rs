@@ -15,6 +15,9 @@ const MAX_CANDIDATES: i64 = 20_000;
 /// Tolerance of limits for round-off, as a fraction of the ranges.
 const LIMIT_TOLERANCE: f64 = 1e-12;
 
+/// Distance of two positions that are one, as a fraction of half of the ranges.
+const SAME_POSITION: f64 = 1e-6;
+
 /// Limits of the axes of an arm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ranges {
@@ -48,7 +51,7 @@ impl Decomposition {
     pub(super) fn wrapped(&self, unknown: &ArmVector, seed: &ArmVector) -> ArmVector {
         let mut wrapped = *unknown;
         for (r, (wrapped, seed)) in wrapped.iter_mut().zip(seed).enumerate() {
-            if r != 1 || matches!(self.pair, Pair::Links(_)) {
+            if self.is_angle(r) && (r != 1 || matches!(self.pair, Pair::Links(_))) {
                 *wrapped = nearest_angle(*wrapped, *seed);
             }
         }
@@ -58,6 +61,19 @@ impl Decomposition {
             wrapped[1] = 2.0 * nearest_angle(0.5 * other, 0.5 * seed[1]);
         }
         wrapped
+    }
+
+    /// Least and largest extension of the free prismatic joint between limits (m).
+    pub(super) fn extension_range(&self, ranges: &Ranges) -> [f64; 2] {
+        let mut range = [0.0; 2];
+        let Some(slide) = self.slide else { return range };
+        for a in 0..ranges.count {
+            let slope = self.forward[(slide.unknown, a)];
+            let ends = [slope * ranges.min[a], slope * ranges.max[a]];
+            range[0] += ends[0].min(ends[1]);
+            range[1] += ends[0].max(ends[1]);
+        }
+        range
     }
 }
 
@@ -84,7 +100,7 @@ impl Revolutions {
             }
             Pair::Prismatic(_) => add(column(0), row(0)),
         }
-        for r in 2..decomposition.count {
+        for r in (2..decomposition.count).filter(|&r| decomposition.is_angle(r)) {
             add(column(r), row(r));
         }
         revolutions
@@ -115,6 +131,22 @@ impl Revolutions {
         let shift = (a[axis] * k[0] + b[axis] * k[1]) + (c[axis] * k[2] + d[axis] * k[3]);
         let position = arm_positions[axis] + shift;
         f64::max(ranges.min[axis] - position, position - ranges.max[axis])
+    }
+
+    /// All positions of the poses of several positions that are within limits, each once.
+    pub(super) fn all_within(&self, positions: &[ArmVector], ranges: &Ranges) -> Vec<ArmVector> {
+        let mut all: Vec<ArmVector> = Vec::new();
+        let is_same = |one: &ArmVector, other: &ArmVector| {
+            (0..ranges.count).all(|a| (one[a] - other[a]).abs() <= SAME_POSITION * ranges.half(a))
+        };
+        for arm_positions in positions {
+            self.within(arm_positions, ranges, |found| {
+                if all.iter().all(|known| !is_same(known, found)) {
+                    all.push(*found);
+                }
+            });
+        }
+        all
     }
 
     /// Calls a function with all positions of the same pose within limits; where there are none, with those that exceed them least.
