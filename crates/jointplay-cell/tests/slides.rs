@@ -7,7 +7,7 @@ use jointplay_cell::robot::AxisKind::{Linear, Rotary};
 use jointplay_cell::robot::{HybridRobot, Redundancy, WaferTarget};
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::Tilt;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 
 /// An arm of two links and a slide, with a wrist between them or without.
@@ -92,7 +92,7 @@ proptest! {
         if !with_heading {
             target.heading = None;
         }
-        for redundancy in [Redundancy::AwayFromLimits] {
+        for redundancy in [Redundancy::AwayFromLimits, Redundancy::NearestToPresent] {
             let found = robot.inverse_by(A, &target, &seed, redundancy).unwrap();
             let Some(chosen) = found.chosen() else {
                 return Err(TestCaseError::fail(format!("{at:?} {found:#?}")));
@@ -111,6 +111,56 @@ proptest! {
                 let turn = turned(&chosen.positions) - turned(&at);
                 prop_assert!((0.5 * turn).sin().abs() < 1e-9, "{turn}");
             }
+        }
+    }
+
+    /// From the positions themselves, nothing moves; from near them, the axes move little.
+    #[test]
+    fn nearest_positions_of_redundant_arms_are_near(
+        number in prop::sample::select(vec![5_usize, 9]),
+        with_slide in any::<bool>(),
+        lengths in prop::array::uniform3(0.15..0.3_f64),
+        at in prop::array::uniform4(0.2..0.8_f64),
+        by in prop::array::uniform3(-1e-3..1e-3_f64),
+    ) {
+        let ranges = [[-3.0, 3.0], [-2.5, 2.5], [-3.0, 3.0], [-0.1, 0.2]];
+        let robot = if with_slide {
+            slide_arm(true, 0.0, lengths, &ranges)
+        } else {
+            common::kind(number, lengths)
+        };
+        let rods = robot.gpr.inverse(Tilt::LEVEL, AxisHeight(0.5)).unwrap();
+        let motors = robot.axes[3..].iter().zip(at);
+        let motors = motors.map(|(axis, f)| axis.min + f * (axis.max - axis.min));
+        let at: Vec<f64> = rods.into_iter().chain(motors).collect();
+        let mut target = WaferTarget::from_pose(&robot.effector_pose(&at, A).unwrap());
+        let nearest = |target: &WaferTarget| {
+            robot.inverse_by(A, target, &at, Redundancy::NearestToPresent).unwrap()
+        };
+        let same = nearest(&target).chosen().unwrap().clone();
+        for (found, start) in same.positions.iter().zip(&at) {
+            prop_assert!((found - start).abs() < 1e-9, "{same:?} {at:?}");
+        }
+        // A change of height alone moves no motor.
+        target.center.z += by[2];
+        let raised = nearest(&target).chosen().unwrap().clone();
+        for (found, start) in raised.positions.iter().zip(&at).skip(3) {
+            prop_assert!((found - start).abs() < 1e-6, "{raised:?} {at:?}");
+        }
+        // Of the positions along the null space of the chain, none is nearer: the displacement is in the row space of its Jacobian.
+        target.center += Vector3::new(by[0], by[1], 0.0);
+        let moved = nearest(&target).chosen().cloned();
+        let Some(moved) = moved else { return Ok(()) };
+        let weights: Vec<f64> = robot.axes[3..].iter().map(|it| 0.5 * (it.max - it.min)).collect();
+        let distance = |positions: &[f64]| -> f64 {
+            let pairs = positions[3..].iter().zip(&at[3..]).zip(&weights);
+            pairs.map(|((a, b), weight)| ((a - b) / weight).powi(2)).sum()
+        };
+        let kept = robot
+            .inverse_by(A, &target, &at, Redundancy::KeepRedundantAngles)
+            .unwrap();
+        for branch in &kept.branches {
+            prop_assert!(distance(&moved.positions) <= distance(&branch.positions) + 1e-12);
         }
     }
 }

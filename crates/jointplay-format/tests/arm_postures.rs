@@ -210,3 +210,25 @@ fn incremental_plans_with_changes_of_posture_equal_new_plans() {
         assert!(found.duration().to_bits() == expected.duration().to_bits());
     }
 }
+
+#[test]
+fn relative_lines_end_near_their_start() {
+    let place = StationPlace {
+        azimuth_deg: 90.0,
+        distance_mm: 600.0,
+        retract_mm: 100.0,
+        oblique_deg: None,
+    };
+    let cell = small_cell("scara-4r", &[place], 1);
+    let start = "MOVE J1 60 deg J2 -30 deg J3 -30 deg J4 120 deg\n";
+    for (line, most) in [("Z 1 mm", 1e-3), ("X 1 mm", 0.02), ("Y -1 mm", 0.02)] {
+        let steps = steps(&cell, &format!("{start}MOVE LINE BY {line}\n")).unwrap();
+        let step = steps.last().unwrap();
+        for (from, to) in step.from.iter().zip(&step.to).skip(RODS) {
+            assert!((to - from).abs() < most, "{line}: {:?} {:?}", step.from, step.to);
+        }
+        let displacement = cell.robot.effector_pose(&step.to, A).unwrap().translation.vector
+            - cell.robot.effector_pose(&step.from, A).unwrap().translation.vector;
+        assert!((displacement.norm() - 1e-3).abs() < 1e-6, "{line}: {displacement:?}");
+    }
+}

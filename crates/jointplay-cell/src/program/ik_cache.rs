@@ -124,7 +124,7 @@ impl IkCache {
         redundancy: Redundancy,
     ) -> Result<Vec<f64>, Unreachable> {
         let mut inputs = CacheKey::default().with(&effector).with(&loaded);
-        inputs.add(&(redundancy == Redundancy::KeepRedundantAngles));
+        inputs.add(&(redundancy as u64));
         inputs.add(&target.center).add(&target.normal).add(&target.heading).add(seed);
         let reach = || {
             let found = cell.compensated_inverse_by(effector, target, loaded, seed, redundancy);

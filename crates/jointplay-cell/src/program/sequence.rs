@@ -163,7 +163,7 @@ impl<'c> MotionSequencer<'c> {
         }
         let mut target = WaferTarget::from_pose(&pose);
         target.center += Vector3::from(by);
-        let to = self.solve(effector, &target, loaded).map_err(stopped)?;
+        let to = self.solve_line_end(effector, &target, loaded).map_err(stopped)?;
         self.arms_retracted = false;
         self.posture_choice.end_visit();
         self.move_to(Phase::Move, to, Path::Line(effector));

@@ -94,6 +94,17 @@ impl MotionSequencer<'_> {
         self.ik_cache.positions(self.cell, effector, target, loaded, &self.positions, redundancy)
     }
 
+    /// As [`Self::solve`], for the end of a line that starts at the present positions: those nearest to them where the arm is redundant.
+    pub(super) fn solve_line_end(
+        &mut self,
+        effector: EffectorId,
+        target: &WaferTarget,
+        loaded: bool,
+    ) -> Result<Vec<f64>, Unreachable> {
+        let redundancy = Redundancy::NearestToPresent;
+        self.ik_cache.positions(self.cell, effector, target, loaded, &self.positions, redundancy)
+    }
+
     /// Postures of an arm along the line into a station, chosen at the start of the visit; `None` where the arm has no choice.
     pub(super) fn postures(
         &mut self,

@@ -341,6 +341,10 @@ impl Solver<'_> {
                     Redundancy::KeepRedundantAngles => {
                         redundant.keeping_redundant_angles(configuration)
                     }
+                    Redundancy::NearestToPresent => redundant
+                        .nearest(configuration)
+                        .filter(|found| self.ranges.contain(found))
+                        .or_else(|| redundant.away_from_limits(configuration)),
                 };
                 if let Some(arm_positions) = found {
                     revolutions.within(&arm_positions, self.ranges, |arm_positions| {

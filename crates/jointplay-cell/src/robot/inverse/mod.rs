@@ -5,7 +5,7 @@
 //! | `solution` | targets, branches, and the limits that they violate |
 //! | `decomposition` | the joints of an arm by their role: redundant first joint, pair that places the centre, last joint that turns the wafer |
 //! | `closed_form` | the pair's positions in closed form |
-//! | `redundant`, `barrier` | redundancy resolution by a barrier function of limits and elbow |
+//! | `redundant`, `barrier` | redundancy resolution by a barrier function of limits and elbow, or by the distance from the present positions |
 //! | `posture_path` | paths of a wafer in the arm's plane, and postures along them |
 //! | `posture_search`, `posture_smoothing`, `posture_planner` | postures for a whole path: shortest paths through a grid, smoothed |
 //! | `posture_change` | motions between postures with the wafer close to the axis of the first joint |

@@ -1,6 +1,7 @@
 //! Redundancy resolution: the positions chosen where an arm has more motors than the target needs.
 
 mod extension;
+mod nearest;
 
 use std::array::from_fn;
 

@@ -31,6 +31,11 @@ impl Ranges {
         0.5 * (self.min[axis] + self.max[axis])
     }
 
+    /// Whether positions of the axes are within limits.
+    pub(super) fn contain(&self, arm_positions: &ArmVector) -> bool {
+        (0..self.count).all(|a| (self.min[a]..=self.max[a]).contains(&arm_positions[a]))
+    }
+
     pub(super) fn half(&self, axis: usize) -> f64 {
         0.5 * (self.max[axis] - self.min[axis])
     }

@@ -36,6 +36,8 @@ pub enum Redundancy {
     AwayFromLimits,
     /// Those in which the redundant links keep the directions of the present positions; the pair of joints that places the wafer's centre follows.
     KeepRedundantAngles,
+    /// Those nearest to the present positions, in units of the ranges of the axes; where they violate limits, those farthest from limits.
+    NearestToPresent,
 }
 
 /// All solutions of the inverse kinematics for a target.
