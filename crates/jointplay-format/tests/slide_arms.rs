@@ -3,6 +3,8 @@
 use jointplay_cell::program::{Phase, expand};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
+use jointplay_format::cell::explain_trajectory::explain_step;
+use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::{cell, program};
 
 /// A cell with a station in front of an arm of two links of 210 mm and a slide, with a wrist between them or without.
@@ -109,4 +111,27 @@ fn lines_into_stations_are_planned_for_arms_with_an_elbow_and_a_slide() {
             }
         }
     }
+}
+
+#[test]
+fn errors_of_relative_lines_give_no_advice_about_stations() {
+    let cell = slide_cell(false, 320.0, 590.0);
+    let steps_of = |line: &str| {
+        let text = format!("MOVE S 0 deg E 90 deg P 0 mm\nMOVE LINE BY {line}\n");
+        expand(&cell, &program::parse(&text).unwrap()).ok()
+    };
+    let mut refused = 0;
+    for by in (-40..=40).flat_map(|x| (-40..=40).map(move |y| [20 * x, 20 * y])) {
+        let Some(steps) = steps_of(&format!("X {} mm Y {} mm", by[0], by[1])) else { continue };
+        let Err(error) = plan_trajectory(&cell, steps, &TrajectoryOptions::default()) else {
+            continue;
+        };
+        let message = explain_step(&cell.robot, &error.steps[0], DisplayUnits::Metric);
+        assert!(!message.contains("retract_mm") && !message.contains("station"), "{message}");
+        refused += 1;
+        if refused > 5 {
+            return;
+        }
+    }
+    panic!("no line is refused");
 }

@@ -2,7 +2,7 @@
 
 use super::cartesian_path::PathError;
 use super::synchronized::NoProfile;
-use crate::program::SourceLocation;
+use crate::program::{Phase, SourceLocation};
 
 /// Steps for which no trajectory exists.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -22,6 +22,8 @@ pub struct StepError {
     pub instruction: usize,
     /// Location of the instruction in the program's text.
     pub place: SourceLocation,
+    /// Phase of its instruction.
+    pub phase: Phase,
     /// The error.
     pub kind: StepErrorKind,
 }

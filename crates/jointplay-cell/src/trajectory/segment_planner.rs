@@ -68,8 +68,8 @@ impl Errors<'_> {
     /// The segment of a step; the error is recorded, and a dwell without duration takes its place.
     fn or_empty(&mut self, step: usize, planned: Planned<Segment>) -> Segment {
         planned.unwrap_or_else(|kind| {
-            let Step { instruction, place, .. } = self.steps[step];
-            self.found.push(StepError { step, instruction, place, kind });
+            let Step { instruction, place, phase, .. } = self.steps[step];
+            self.found.push(StepError { step, instruction, place, phase, kind });
             Segment::dwell(0.0)
         })
     }
