@@ -114,6 +114,24 @@ fn lines_into_stations_are_planned_for_arms_with_an_elbow_and_a_slide() {
 }
 
 #[test]
+fn lines_without_planned_postures_have_smooth_paths_of_the_axes() {
+    let cell = slide_cell(true, 300.0, 590.0);
+    // A jagged path takes three to eight times as long.
+    let text = "MOVE S -100 deg E 100 deg W -50 deg P 0 mm\n\
+        MOVE LINE BY X 100 mm Y 150 mm\n\
+        MOVE LINE BY X -150 mm Y 150 mm\n\
+        MOVE S -136.98 deg E 145.42 deg W -122.81 deg P -7.83 mm\n\
+        MOVE LINE BY X -20 mm Y -230 mm\n\
+        MOVE LINE BY X 20 mm Y 230 mm\n";
+    let steps = expand(&cell, &program::parse(text).unwrap()).unwrap();
+    let plan = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+    for times in plan.times.windows(2) {
+        let duration = times[1] - times[0];
+        assert!(duration < 0.9, "{duration} s");
+    }
+}
+
+#[test]
 fn errors_of_relative_lines_give_no_advice_about_stations() {
     let cell = slide_cell(false, 320.0, 590.0);
     let steps_of = |line: &str| {

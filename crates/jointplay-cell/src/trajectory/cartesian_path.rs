@@ -130,6 +130,8 @@ const MAX_HALVINGS: usize = 10;
 const POINT_TOLERANCE: f64 = 1e-12;
 /// Number of Newton steps after which a point counts as out of reach.
 const MAX_ITERATIONS: usize = 30;
+/// Largest error of the stationarity conditions of a redundant arm by a Jacobian of other positions: distance of these positions times that from the reference (m² or rad²).
+const STATIONARITY_TOLERANCE: f64 = 1e-10;
 /// Largest Newton step of an axis: beyond it the step leads to another branch (m or rad).
 const MAX_STEP: f64 = std::f64::consts::PI;
 /// Residual up to which a point is accepted that does not converge further (m or rad): round-off near singular positions.
@@ -305,7 +307,7 @@ impl CartesianLine<'_> {
         let pose = |q: &[f64]| (self.pose)(q).map_err(|error| target.pose_error(s, error));
         let mut residual = target.residual(&pose(&q)?, s);
         let mut right = DVector::zeros(n + m);
-        let mut error = f64::INFINITY;
+        let (mut error, mut error_before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..MAX_ITERATIONS {
             // The matrix neglects the curvature of the constraints, the change of the droop and the rotation of the heading by the tilt: they change the rate of convergence and not the solution.
             let jacobian =
@@ -325,6 +327,8 @@ impl CartesianLine<'_> {
             }
             let factors = system.lu();
             // A factorization is reused while each step halves the error: poses are cheaper than factorizations.
+            // The steps converge to positions that are stationary by the Jacobian of the factorization, which is that of the positions before.
+            let mut moved = 0.0;
             loop {
                 for (row, &axis) in self.variables.iter().enumerate() {
                     right[row] = reference[axis] - q[axis];
@@ -345,8 +349,16 @@ impl CartesianLine<'_> {
                 }
                 residual = target.residual(&pose(&q)?, s);
                 let now = residual[..m].iter().fold(step_size, |most, value| most.max(value.abs()));
-                let is_slow = now > 0.5 * error;
-                error = now;
+                let is_slow = now > 0.5 * error_before;
+                (error, error_before) = (now, now);
+                moved += step_size;
+                let from_reference = |&axis: &usize| (reference[axis] - q[axis]).abs();
+                let distance = self.variables.iter().map(from_reference).fold(0.0, f64::max);
+                let is_stationary = n == m || moved * distance <= STATIONARITY_TOLERANCE;
+                if !is_stationary && now < 0.01 * moved && iteration + 1 < MAX_ITERATIONS {
+                    error_before = f64::INFINITY;
+                    break;
+                }
                 if now < POINT_TOLERANCE
                     || (is_slow && now < 10.0 * POINT_TOLERANCE && iteration > 0)
                 {
