@@ -645,6 +645,8 @@ def test_motions_and_models_are_exported(tmp_path, ask):
     assert all(one["min"] == [0.5] and one["max"] == [4.0] for one in inputs)
     with pytest.raises(jp.InputError, match="a time for each of 13 configurations, got 2"):
         motion.to_gltf(tmp_path / "no.glb", times_s=[0, 1])
+    with pytest.raises(jp.ArrayTypeError, match="times_s"):
+        motion.to_gltf(tmp_path / "no.glb", times_s=["a", "b"])
     with pytest.raises(jp.InputError, match="must grow"):
         motion.to_gltf(tmp_path / "no.glb", times_s=times[::-1])
     assert not (tmp_path / "no.glb").exists()

@@ -68,7 +68,7 @@ impl PyMechanism {
         &self,
         py: Python<'py>,
         coordinates: &Bound<'py, PyAny>,
-        times_s: Option<Vec<f64>>,
+        times_s: Option<&Bound<'py, PyAny>>,
         duration_s: f64,
         exaggerate: f64,
         tolerance_um: f64,
@@ -108,11 +108,18 @@ impl PyMechanism {
             None => PartTable::default(),
         };
         of_file.parts.extend(table.unwrap_or_default());
+        let times = match times_s {
+            Some(given) => {
+                let given = real(given, "times_s", "an array of shape (n,)")?;
+                Some(given.readonly().as_array().iter().copied().collect::<Vec<f64>>())
+            }
+            None => None,
+        };
         let reference =
             py.detach(|| self.posed(&[], None)).map_err(|error| errors::core(py, &error))?;
         let scene = py.detach(|| {
             let mechanism = &self.file.mechanism;
-            let times = match times_s {
+            let times = match times {
                 Some(times) => times,
                 None => {
                     let numbers: Vec<f64> = (0..rows.len()).map(|row| row as f64).collect();

@@ -495,7 +495,7 @@ class Mechanism:
     def _gltf(
         self,
         coordinates: ArrayLike,
-        times_s: list[float] | None,
+        times_s: ArrayLike | None,
         duration_s: float,
         exaggerate: float,
         tolerance_um: float,

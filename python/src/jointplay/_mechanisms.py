@@ -289,7 +289,7 @@ class Motion(Table):
             pairs = list(table.items())
         contents, missing = self.mechanism._gltf(
             self.coordinates,
-            None if times_s is None else np.asarray(times_s, dtype=float).tolist(),
+            times_s,
             duration_s,
             exaggerate,
             tolerance_um,

@@ -23,6 +23,7 @@ pub(super) struct Draft<'a> {
     pub(super) descriptions: Vec<Joint>,
     couplings: Vec<(Coupling, Range<usize>)>,
     frames: Vec<AttachedFrame>,
+    frame_names: BTreeSet<String>,
     /// Names of constraints in the model.
     constraints: BTreeSet<String>,
     /// Names in the model, which generated names avoid.
@@ -66,6 +67,7 @@ impl<'a> Draft<'a> {
             descriptions: Vec::new(),
             couplings: Vec::new(),
             frames: Vec::new(),
+            frame_names: BTreeSet::new(),
             constraints: BTreeSet::new(),
             taken: root.descendants().filter_map(|node| node.attribute("name")).collect(),
             ignored: BTreeMap::new(),
@@ -116,18 +118,28 @@ impl<'a> Draft<'a> {
         self.couplings.push((coupling, place));
     }
 
-    /// Adds a frame that moves with a link; with a number, and a remark, if a link or another frame has its name.
-    pub(super) fn add_frame(&mut self, name: &str, link: usize, link_from_frame: Pose) {
+    /// Adds a frame that moves with a link; with a number, and a remark, if a link has its name.
+    pub(super) fn add_frame(
+        &mut self,
+        name: &str,
+        place: Range<usize>,
+        link: usize,
+        link_from_frame: Pose,
+    ) -> Result<(), Error> {
         let mut own = name.to_owned();
-        if self.link(name).is_some() || self.is_frame(name) {
+        if self.link(name).is_some() {
             own = self.fresh(own);
-            self.remark(format!("frame {name:?} is called {own:?}: a link or frame has its name"));
+            self.remark(format!("frame {name:?} is called {own:?}: a link has its name"));
+        }
+        if !self.frame_names.insert(own.clone()) {
+            return Err(self.xml.error(place, MechanismError::NameTwice { name: own }));
         }
         self.frames.push(AttachedFrame { name: own, link, link_from_frame });
+        Ok(())
     }
 
     fn is_frame(&self, name: &str) -> bool {
-        self.frames.iter().any(|frame| frame.name == name)
+        self.frame_names.contains(name)
     }
 
     /// Number of couplings so far.

@@ -153,6 +153,13 @@ impl Decomposition {
         Some(Self { pair, last: None, first: None, slide: None, count, inverse, forward })
     }
 
+    /// Whether the last and the first unknown are free.
+    pub(super) fn free_unknowns(&self, prescribes_heading: bool) -> [bool; 2] {
+        let slides = |unknown| self.slide.is_some_and(|slide| slide.unknown == unknown);
+        let last = self.last.is_some() && !prescribes_heading;
+        [last || slides(2), self.first.is_some() || slides(3)]
+    }
+
     /// Whether the arm has more motors than a target needs.
     pub(super) fn is_redundant(&self, prescribes_heading: bool) -> bool {
         self.count > 2 + usize::from(prescribes_heading)

@@ -103,11 +103,7 @@ impl<'a> PostureSearch<'a> {
         decomposition: &'a Decomposition,
         path: &'a PlanarPath,
     ) -> Self {
-        let slides = |unknown| decomposition.slide.is_some_and(|it| it.unknown == unknown);
-        let is_free = [
-            (decomposition.last.is_some() && path.heading.is_none()) || slides(2),
-            decomposition.first.is_some() || slides(3),
-        ];
+        let is_free = decomposition.free_unknowns(path.heading.is_some());
         let count = is_free.iter().filter(|free| **free).count();
         let [grid, neighbourhood] = [GRID, NEIGHBOURHOOD].map(|both| both[count.saturating_sub(1)]);
         let intervals = (path.length() / SAMPLE_DISTANCE).ceil() as usize;
@@ -131,7 +127,7 @@ impl<'a> PostureSearch<'a> {
         let steps = ((extensions[1] - extensions[0]) / EXTENSION_STEP).ceil() as usize;
         let values = |f: usize| match f {
             _ if !is_free[f] => 1,
-            _ if slides(2 + f) => steps.clamp(1, grid) + 1,
+            _ if !decomposition.is_angle(2 + f) => steps.clamp(1, grid) + 1,
             _ => grid,
         };
         Self {

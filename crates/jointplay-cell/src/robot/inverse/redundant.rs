@@ -107,8 +107,7 @@ impl<'a> Redundant<'a> {
         let held = decomposition.last.zip(last).map(|(k, turn)| turned(vector(k), turn));
         let point = point - held.unwrap_or_else(Vector2::zeros);
         let free = [decomposition.last.filter(|_| last.is_none()), decomposition.first];
-        let slides = |unknown| decomposition.slide.is_some_and(|it| it.unknown == unknown);
-        let is_free = [free[0].is_some() || slides(2), free[1].is_some() || slides(3)];
+        let is_free = decomposition.free_unknowns(last.is_some());
         let seed = decomposition.unknown(seed);
         Self {
             chain,

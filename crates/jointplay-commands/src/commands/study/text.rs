@@ -27,7 +27,7 @@ pub(super) fn print_summary(
     }
     if report.outcomes.iter().all(|model| model.solved == 0) {
         return Err(Failure::Unsolved(format!(
-            "no sample could be solved; {} has the kind of error of each, and the command for a single one, with the values of a row, its message",
+            "no sample could be solved; {} has the kind of error of each: for its message, give the values of a row to the command for a single case",
             out.map_or("the table".to_owned(), |out| out.display().to_string())
         )));
     }

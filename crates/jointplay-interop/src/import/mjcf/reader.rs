@@ -332,7 +332,7 @@ impl<'a> Reader<'a> {
         let default = |name| self.defaults.attribute_value(class, "site", name);
         let pose = self.angles.pose(self.draft.xml, item.node, default)?;
         let link_from_site = item.body_from_frame * pose;
-        self.draft.add_frame(name, link, link_from_site);
+        self.draft.add_frame(name, place(item.node), link, link_from_site)?;
         self.sites.insert(name, (link, link_from_site));
         Ok(())
     }
@@ -435,6 +435,21 @@ mod tests {
             "1 × solref of connect",
         ];
         assert_eq!(model.ignored, ignored);
+    }
+
+    #[test]
+    fn sites_are_frames_of_their_bodies() {
+        let model = testing::read(
+            "<mujoco><worldbody><site name=\"base\" pos=\"1 2 3\"/><body name=\"a\"><joint/><site name=\"a\" pos=\"0 0 1\"/><site/></body></worldbody></mujoco>",
+        );
+        let frames = model.mechanism.frames().iter();
+        let found: Vec<_> = frames.map(|one| (one.name.as_str(), one.link)).collect();
+        assert_eq!(found, [("base", 0), ("a (2)", 1)]);
+        let renamed = "frame \"a\" is called \"a (2)\": a link has its name";
+        assert_eq!(model.ignored, [renamed, "1 × site without a name"]);
+        let two = "<mujoco><worldbody><body name=\"a\"><joint/></body><site name=\"s\"/><site name=\"t\"/></worldbody></mujoco>";
+        let (from, to) = ("<site name=\"t\"/>", "<site name=\"s\"/>");
+        testing::refuse(two, from, to, to, "\"s\"");
     }
 
     /// The joint of a body, from its element.

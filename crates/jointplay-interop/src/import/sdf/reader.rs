@@ -256,7 +256,9 @@ impl<'a> Reader<'a> {
             };
             let link_from_world = self.frames.world_from(carrier).inverse();
             let name = self.shown(frame).to_owned();
-            self.draft.add_frame(&name, link, link_from_world * self.frames.world_from(frame));
+            let link_from_frame = link_from_world * self.frames.world_from(frame);
+            let place = place(self.frames.node(frame));
+            self.draft.add_frame(&name, place, link, link_from_frame)?;
         }
         Ok(())
     }
