@@ -94,7 +94,9 @@ impl Move {
         let moved = drive_from(mechanism, &start, &path, &held, steps, None, &mut |_| {
             ControlFlow::Continue(())
         })?;
-        let report = report::motion(named.file, path.coordinates(), &held, None, &moved);
+        let commanded = [path.coordinates(), &held].concat();
+        let report = report::motion(named.file, path.coordinates(), &held, None, &moved)
+            .with_free_motions(named.file, &moved, &commanded)?;
         if self.poses != Some(true) {
             return Ok(report);
         }

@@ -4,7 +4,7 @@ use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation, wrap_angle};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
+use crate::robot::{EffectorId, LimitViolation, RODS, Redundancy, WaferTarget};
 use crate::station::SlotId;
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
@@ -136,6 +136,7 @@ impl Cell {
 
     /// Moves the wafer of an effector along a straight line toward a target in the base frame, its plane rotating evenly, with droop compensated as by [`Self::compensated_inverse`].
     ///
+    /// A redundant arm takes the posture nearest to the present one.
     /// Where the droop at the start is unknown, the line starts at the pose of the wafer on the rigid arm.
     ///
     /// # Arguments
@@ -236,7 +237,11 @@ impl Cell {
         loaded: bool,
         path: impl Fn(f64) -> WaferTarget,
     ) -> Result<JogOutcome, Unreachable> {
-        let why = match self.compensated_inverse(effector, &path(1.0), loaded, from) {
+        let solve = |fraction| {
+            let (target, redundancy) = (path(fraction), Redundancy::NearestToPresent);
+            self.compensated_inverse_by(effector, &target, loaded, from, redundancy)
+        };
+        let why = match solve(1.0) {
             Ok(reached) => return Ok(JogOutcome { positions: reached.positions, stopped: None }),
             Err(Unreachable::Robot(error)) => return Err(Unreachable::Robot(error)),
             Err(why) => why,
@@ -245,7 +250,7 @@ impl Cell {
         let (mut near, mut far) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let fraction = 0.5 * (near + far);
-            match self.compensated_inverse(effector, &path(fraction), loaded, from) {
+            match solve(fraction) {
                 Ok(reached) => (positions, near) = (reached.positions, fraction),
                 Err(_) => far = fraction,
             }

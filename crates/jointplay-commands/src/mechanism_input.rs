@@ -216,9 +216,21 @@ impl Input {
         changed.collect()
     }
 
-    /// The link or attached frame with a name.
-    pub(crate) fn frame(&self, name: &str) -> Result<FrameId, Failure> {
-        Ok(coordinates::frame(&self.file.mechanism, name)?)
+    /// The links or attached frames that the values of a flag name: each value is one name, which may have commas, or several separated by commas.
+    pub(crate) fn frames(&self, values: &[String]) -> Result<Vec<FrameId>, Failure> {
+        let find = |name: &str| coordinates::frame(&self.file.mechanism, name.trim());
+        let mut found = Vec::new();
+        for value in values {
+            match find(value) {
+                Ok(frame) => found.push(frame),
+                Err(_) => {
+                    for name in value.split(',') {
+                        found.push(find(name)?);
+                    }
+                }
+            }
+        }
+        Ok(found)
     }
 
     /// Commanded coordinates with their values (m, rad).

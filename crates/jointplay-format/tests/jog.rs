@@ -159,6 +159,23 @@ fn jogging_beyond_the_reach_stops_at_the_reach() {
     assert!(more.stopped.is_some());
 }
 
+/// A millimetre turns the motors of a redundant arm by some mrad, also in a posture that is not the one farthest from limits.
+#[test]
+fn a_redundant_arm_takes_the_posture_nearest_to_the_present_one() {
+    let cell = with_scara();
+    let start = SlotRelativePose { radial: -0.2, ..IN };
+    let mut start = cell.jog_slot_relative(&home(&cell), A, false, LP2, &start).unwrap().positions;
+    for turned in [0.0, 0.5, -0.5] {
+        start[5] += turned;
+        let before = WaferTarget::from_pose(&cell.wafer_pose(A, &start, false).unwrap());
+        let center = before.center + Vector3::new(0.6e-3, -0.8e-3, 0.0);
+        let jogged = cell.jog_wafer(&start, A, false, &WaferTarget { center, ..before }).unwrap();
+        assert_eq!(jogged.stopped, None);
+        let turns = start.iter().zip(&jogged.positions).skip(3).map(|(a, b)| (a - b).abs());
+        assert!(turns.fold(0.0, f64::max) < 0.02, "{start:?} {:?}", jogged.positions);
+    }
+}
+
 #[test]
 fn jogging_in_the_base_frame_keeps_normal_and_heading() {
     let cell = with_scara();

@@ -12,6 +12,7 @@ use jointplay_format::units::mm;
 use nalgebra::{DMatrix, DVector, Quaternion, UnitQuaternion, Vector3};
 
 use crate::beyond::beyond_limits;
+use crate::free_motions::FreeMotionsReport;
 use crate::limits::LimitReport;
 use crate::mechanism::{ByName, UnitsReport, by_name, virtual_by_name};
 
@@ -109,6 +110,15 @@ pub enum JacobianError {
     /// Of a motion.
     #[error(transparent)]
     Motion(#[from] Error),
+    /// Motions with all commanded coordinates held.
+    #[error(
+        "{}",
+        .0.explained(
+            "commanded coordinates",
+            "command one of their joints for each, or choose a configuration that is not singular"
+        )
+    )]
+    FreeMotions(FreeMotionsReport),
     /// By a parameter.
     #[error("parameter `{parameter}`: {error}")]
     Parameter {
@@ -143,7 +153,7 @@ pub fn jacobian(
     let coordinates = Coordinates::of(file);
     let mut kinematics = DifferentialKinematics::new(system, commanded)?;
     kinematics.linearize(system.home().as_slice())?;
-    kinematics.require_determined()?;
+    kinematics.require_determined().map_err(|error| undetermined(system, commanded, error))?;
     let derivatives = kinematics.coordinate_derivatives()?;
     let in_units = Units { file, coordinates: &coordinates, commanded };
     let derivatives = (0..coordinates.all().len()).map(|k| {
@@ -195,6 +205,18 @@ pub fn jacobian(
         singular_values: kinematics.singular_values()?.as_slice().to_vec(),
         characteristic_length_mm: mm(system.characteristic_length()),
     })
+}
+
+/// An undetermined motion with the names of its links and joints.
+fn undetermined(system: &MechanismSystem<'_>, commanded: &[usize], error: Error) -> JacobianError {
+    if !matches!(error, Error::Undetermined(_)) {
+        return error.into();
+    }
+    let mechanism = system.kinematics().mechanism();
+    match FreeMotionsReport::new(mechanism, system.home(), commanded) {
+        Ok(motions) if motions.count() > 0 => JacobianError::FreeMotions(motions),
+        _ => error.into(),
+    }
 }
 
 /// Rates of all coordinates and virtual joints by name, in the units of the file.

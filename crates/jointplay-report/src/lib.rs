@@ -21,6 +21,7 @@ mod distance;
 mod entity;
 mod expected;
 mod forward;
+mod free_motions;
 mod instructions;
 mod jacobian;
 mod limits;
@@ -65,6 +66,7 @@ pub use distance::DistanceReport;
 pub use entity::{EntityKind, EntityReport};
 pub use expected::{DisagreementReport, disagreements};
 pub use forward::{ForwardReport, PlatformReport, forward};
+pub use free_motions::{FreeMotionReport, FreeMotionsReport};
 pub use jacobian::{
     CommandedRates, FrameReport, JacobianError, JacobianReport, ParameterReport, TwistReport,
     jacobian,

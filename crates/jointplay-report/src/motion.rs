@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use jointplay_core::Error;
-use jointplay_core::mechanism::{DrivePath, DrivenMotion, Stop, Waypoint};
+use jointplay_core::mechanism::{DrivePath, DrivenMotion, MechanismSystem, Stop, Waypoint};
 
+use crate::free_motions::FreeMotionsReport;
 use crate::limits::LimitReport;
 use crate::mechanism::{ByName, UnitsReport, by_name};
 use crate::poses::PosesReport;
@@ -24,6 +25,8 @@ pub struct MotionReport {
     pub driven: Vec<String>,
     /// Names of the coordinates of other motors, which are locked.
     pub held: Vec<String>,
+    /// Motions that driven and held coordinates leave free where they leave the fewest free; `null` if they were not determined, as for large mechanisms.
+    pub free_motions: Option<FreeMotionsReport>,
     /// Number of steps of the solver, including shortened ones.
     pub solver_steps: usize,
     /// Largest closure residual of a loop during the motion, in radians and characteristic lengths.
@@ -204,6 +207,7 @@ pub fn motion(
         units: UnitsReport::of(&coordinates),
         driven: driven.iter().map(name).collect(),
         held: held.iter().map(name).collect(),
+        free_motions: None,
         solver_steps: motion.steps,
         largest_residual: motion.waypoints.iter().map(|at| at.residual).fold(0.0, f64::max),
         singular: singular.collect(),
@@ -224,6 +228,31 @@ pub fn motion(
 }
 
 impl MotionReport {
+    /// The same report with the motions that driven and held coordinates leave free, of mechanisms that are small enough for dense algebra.
+    ///
+    /// # Arguments
+    /// * `commanded` – indices of the driven and held coordinates
+    ///
+    /// # Errors
+    /// Those of [`FreeMotionsReport::new`].
+    pub fn with_free_motions(
+        self,
+        file: &MechanismFile,
+        motion: &DrivenMotion,
+        commanded: &[usize],
+    ) -> Result<Self, Error> {
+        let mechanism = &file.mechanism;
+        let regular = motion.waypoints.iter().min_by_key(|at| at.free_mobility);
+        let found = match regular {
+            Some(at) if at.free_mobility == 0 => Some(FreeMotionsReport::default()),
+            Some(at) if MechanismSystem::fits(mechanism) => {
+                Some(FreeMotionsReport::new(mechanism, &at.coordinates, commanded)?)
+            }
+            _ => None,
+        };
+        Ok(Self { free_motions: found, ..self })
+    }
+
     /// The same report with the poses of all links and attached frames.
     ///
     /// # Errors

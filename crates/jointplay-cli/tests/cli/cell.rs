@@ -54,7 +54,7 @@ fn a_check_reads_well() {
 #[test]
 fn a_search_finds_a_faster_program_and_continues_after_an_interruption() {
     let sandbox = sandbox(&[]);
-    let naive = "HOME\nREPEAT 3 AS n\n  TRANSFER LP1 SLOT n TO ALIGN WITH A\n  TRANSFER ALIGN TO LP2 SLOT n WITH A\nEND\nHOME\n";
+    let naive = "SPEED 95 %\nBLEND 1 mm\nHOME\nREPEAT 3 AS n\n  TRANSFER LP1 SLOT n TO ALIGN WITH A\n  TRANSFER ALIGN TO LP2 SLOT n WITH A\nEND\nHOME\n";
     sandbox.write("example.program", naive);
     let command = "cell optimise example.toml --rounds 2 --blend-mm 0,3 --speed-percent 100 --station-programs 4 --out found";
     let found = sandbox.json(command);
@@ -62,7 +62,9 @@ fn a_search_finds_a_faster_program_and_continues_after_an_interruption() {
     let [given, best] = [&found["given"], &found["programs"][0]];
     let rate = |one: &Value| one["wafers_per_hour"].as_f64().unwrap();
     assert!(rate(best) > 1.1 * rate(given), "{found}");
-    // The program is what `cell check` reports, and moves the same wafers.
+    // Both programs are what `cell check` reports, the given one with its own speed and blends; the new one moves the same wafers.
+    let as_given = sandbox.json("cell check example.toml example.program");
+    assert_eq!(as_given["wafers_per_hour"], given["wafers_per_hour"]);
     let check = sandbox.json("cell check example.toml found/optimised-1.program");
     assert!((check["wafers_per_hour"].as_f64().unwrap() - rate(best)).abs() < 1e-9);
     assert_eq!((&check["wafers"], &check["result"]), (&Value::from(3), &Value::from("passed")));

@@ -385,11 +385,41 @@ fn parameters_move_a_linkage_as_other_values_do() {
     refused("", opens, 1, "parameter `b`: changing this dimension opens the loops");
 }
 
+/// Names of links may have commas, as in imported models; commas separate names too.
+#[test]
+fn links_with_commas_can_be_reported() {
+    let text = include_str!("../../../jointplay-format/robots/four-bar.toml");
+    let sandbox = Sandbox::new();
+    sandbox.write("bars.toml", &text.replace("\"coupler\"", "\"coupler, steel\""));
+    let found = sandbox.json("jacobian bars.toml --frame \"coupler, steel\" --frame crank,rocker");
+    let frames: Vec<&String> = found["frames"].as_object().unwrap().keys().collect();
+    assert_eq!(frames, ["coupler, steel", "crank", "rocker"]);
+    let unknown = sandbox.run("jacobian bars.toml --frame \"crank,coupler, stel\"");
+    assert_eq!(unknown.code, 2);
+    assert!(unknown.stderr.contains("`coupler` is not known"), "{}", unknown.stderr);
+}
+
+#[test]
+fn a_motion_names_what_its_drives_leave_free() {
+    let sandbox = Sandbox::new();
+    let text = sandbox.done("move delta --steps 2");
+    assert!(text.contains("left free: the spins of rod 1 left, rod 1 right, "), "{text}");
+    let free = |command: &str| sandbox.json(command)["free_motions"].clone();
+    let spins = free("move delta --steps 2");
+    assert_eq!(spins.as_array().unwrap().len(), 6);
+    assert_eq!((&spins[0]["is_spin"], &spins[0]["count"]), (&true.into(), &1.into()));
+    // A released motor is free with the links that it holds.
+    let released = free("move delta --steps 2 --free \"drive 3\"");
+    let counts = released.as_array().unwrap().iter().map(|one| one["count"].as_u64().unwrap());
+    assert_eq!(counts.sum::<u64>(), 7);
+    assert_eq!(free("move four-bar --steps 2"), serde_json::json!([]));
+}
+
 #[test]
 fn commands_that_do_not_determine_the_motion_have_no_jacobian() {
     refused("", "jacobian four-bar --commanded A,D", 1, "the loops do not allow these rates");
     let tilt = "jacobian gpr-mechanism --commanded \"rod 1,rod 2\"";
-    refused("", tilt, 1, "1 motion undetermined; the singular values of the loops");
+    refused("", tilt, 1, "leave 1 motion free: a motion of rod 3, platform by rod 3, S1");
     let unknown = "jacobian four-bar --frame coupla";
     refused("", unknown, 2, "did you mean `coupler`?");
     let passive = "jacobian four-bar --velocity B=3";

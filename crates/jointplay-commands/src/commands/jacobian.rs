@@ -42,7 +42,7 @@ pub(crate) struct Jacobian {
     #[arg(long, value_name = "JOINT", value_delimiter = ',')]
     commanded: Vec<String>,
     /// Links or attached frames to report
-    #[arg(long, visible_alias = "link", value_name = "NAME", value_delimiter = ',')]
+    #[arg(long, visible_alias = "link", value_name = "NAME")]
     frame: Vec<String>,
     /// Velocities of commanded coordinates, in the units of the file per second; 0 for those not named
     #[arg(long, value_name = "JOINT=VALUE", value_parser = joint_values)]
@@ -96,7 +96,9 @@ impl Jacobian {
                 Failure::Usage(input.coordinates.partly_commanded(coordinate).to_string())
             }
             JacobianError::Motion(error) => Failure::from(error),
-            error @ JacobianError::Parameter { .. } => Failure::Unsolved(error.to_string()),
+            error @ (JacobianError::FreeMotions(_) | JacobianError::Parameter { .. }) => {
+                Failure::Unsolved(error.to_string())
+            }
         })?;
         drop(working);
         let units: Vec<&str> = commanded.iter().map(|&k| input.coordinates.unit(k)).collect();
@@ -134,7 +136,7 @@ impl Jacobian {
                 attached.collect()
             });
         }
-        self.frame.iter().map(|name| input.frame(name)).collect()
+        input.frames(&self.frame)
     }
 }
 

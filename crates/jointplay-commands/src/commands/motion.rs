@@ -107,7 +107,9 @@ impl Move {
         let start = at_start(input, start, &course, &held)?;
         let moved = follow(input, &start, &course, &held, "driving")?;
         let (driven, parameter) = (course.path.coordinates(), course.parameter.as_ref());
-        let report = report::motion(&input.file, driven, &held, parameter, &moved);
+        let commanded = [driven, &held].concat();
+        let report = report::motion(&input.file, driven, &held, parameter, &moved)
+            .with_free_motions(&input.file, &moved, &commanded)?;
         self.finish(input, report, &moved)
     }
 
@@ -185,6 +187,9 @@ impl Move {
         }
         if !report.held.is_empty() {
             let _ = writeln!(text, "  held: {}", report.held.join(", "));
+        }
+        if let Some(free) = report.free_motions.as_ref().filter(|free| free.count() > 0) {
+            let _ = writeln!(text, "  left free: {free}");
         }
         let _ = writeln!(text, "path");
         let _ = writeln!(text, "  solver steps         {}", report.solver_steps);

@@ -24,6 +24,7 @@ mod far_closing;
 mod frame_drive;
 mod frame_path;
 mod frames;
+mod free_motions;
 mod home;
 pub mod joint;
 mod kinematics;
@@ -81,6 +82,7 @@ pub use evidence::{
 pub use exaggeration::{ExaggeratedPlay, exaggerate_play, exaggerated_link_poses};
 pub use frame_drive::drive_frames;
 pub use frame_path::{FramePath, FrameTarget, OrientationTarget};
+pub use free_motions::{FreeMotion, free_motions};
 pub use home::{
     close_at_rest, close_commanded, close_nearly, close_sparse, commanded_guess, near_miss_at_guess,
 };

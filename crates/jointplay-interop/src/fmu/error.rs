@@ -6,8 +6,10 @@ use jointplay_format::coordinates;
 use jointplay_format::display_units::DisplayUnits;
 use jointplay_format::explain::explain;
 use jointplay_format::number::number;
+use jointplay_report::FreeMotionsReport;
 
-use super::free_motions::{FreeMotion, explained};
+/// What to do where drives leave motions free that are no spins.
+const FREE_MOTION_REMEDY: &str = "set `actuated = true` at one of their joints for each, or choose an initial configuration that is not singular";
 
 /// Why a unit cannot be made, or has no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -33,10 +35,10 @@ pub enum Error {
         joint: String,
     },
     /// Motions that remain where the drives are held, so that the drives do not determine the outputs.
-    #[error("{}", explained(motions))]
+    #[error("{}", motions.explained("drives", FREE_MOTION_REMEDY))]
     FreeMotions {
-        /// The motions, in groups that share no joint.
-        motions: Vec<FreeMotion>,
+        /// The motions.
+        motions: FreeMotionsReport,
     },
     /// A name or value of a coordinate.
     #[error(transparent)]

@@ -7,11 +7,10 @@ use jointplay_core::mechanism::{
 use jointplay_core::spatial::quaternion_rate;
 use jointplay_format::coordinates::Coordinates;
 use jointplay_format::mechanism::{MechanismFile, parse_with};
-use jointplay_report::beyond_limits;
+use jointplay_report::{FreeMotionsReport, beyond_limits};
 use nalgebra::DVector;
 
 use super::error::Error;
-use super::free_motions::free_motions;
 use super::resources::{RESOURCE_FILES, Resources};
 use super::solved::{Solved, push_pose, quaternion};
 use super::variable::{POSE_OUTPUTS, Variables, name_part};
@@ -105,8 +104,8 @@ impl MechanismModel {
         if !matches!(error, Error::Core(CoreError::Undetermined(_))) {
             return error;
         }
-        match free_motions(&self.file.mechanism, &at.coordinates, &self.drives) {
-            Ok(motions) if !motions.is_empty() => Error::FreeMotions { motions },
+        match FreeMotionsReport::new(&self.file.mechanism, &at.coordinates, &self.drives) {
+            Ok(motions) if motions.count() > 0 => Error::FreeMotions { motions },
             _ => error,
         }
     }

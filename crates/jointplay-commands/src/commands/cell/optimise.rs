@@ -6,8 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use jointplay::cell::check::CheckOptions;
 use jointplay::cell::optimise::{
-    Candidate, Evaluation, MotionSettings, Objectives, OptimiseOptions, Search, TimingModel,
-    WaferFlow,
+    Candidate, Evaluation, Objectives, OptimiseOptions, Search, TimingModel, WaferFlow,
 };
 use jointplay::cell::program::{AllowedValues, Program, Unit};
 use jointplay::cell::workcell::Cell;
@@ -75,17 +74,28 @@ struct OptimiseDocument {
     wafers: usize,
     /// Number of programs that were planned and checked.
     evaluated: usize,
-    /// The program as given, its order at full speed without blends; none with violations.
-    given: Option<ProgramDocument>,
+    /// The program as given, with its own speeds and blends; none with violations.
+    given: Option<ObjectivesDocument>,
     /// Programs that no other exceeds in all objectives, by decreasing throughput.
     programs: Vec<ProgramDocument>,
 }
 
-/// A program and its objectives.
+/// Objectives of a program.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct ObjectivesDocument {
+    /// Wafers per hour of the repeated program.
+    wafers_per_hour: f64,
+    /// Minimum distance of all pairs.
+    min_distance_mm: f64,
+    /// Share of the friction that remains.
+    slip_margin_percent: f64,
+}
+
+/// A program that was found, and its objectives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct ProgramDocument {
     /// Name of its file in the folder.
-    file: Option<String>,
+    file: String,
     /// Number of the order of its hand-offs; 0 is that of the given program.
     order_number: usize,
     /// Speed as a share of the limits, but at `stations`.
@@ -94,12 +104,8 @@ struct ProgramDocument {
     blend_mm: f64,
     /// Stations with settings of their own.
     stations: Vec<StationDocument>,
-    /// Wafers per hour of the repeated program.
-    wafers_per_hour: f64,
-    /// Minimum distance of all pairs.
-    min_distance_mm: f64,
-    /// Share of the friction that remains.
-    slip_margin_percent: f64,
+    #[serde(flatten)]
+    objectives: ObjectivesDocument,
 }
 
 /// Speed and blend radius of the motions to a station and of the hand-offs there.
@@ -218,27 +224,19 @@ impl Optimise {
         search: &Search<'_>,
         flow: &WaferFlow,
     ) -> Result<OptimiseDocument, Failure> {
-        let given = Candidate::uniform(0, MotionSettings::FULL_SPEED);
-        let row = |file, candidate: &Candidate, objectives: &Objectives| {
-            row(planned.cell(), file, candidate, objectives)
-        };
-        let evaluated = search.evaluated();
-        let given = evaluated.iter().find(|(candidate, _)| *candidate == given);
-        let given = given.and_then(|(candidate, evaluation)| {
-            Some(row(None, candidate, &evaluation.objectives?))
-        });
+        let given = Objectives::of(&planned.report, CheckOptions::default().report_distance);
         let (mut programs, mut files) = (Vec::new(), Vec::new());
         for (number, (candidate, objectives)) in search.front().iter().enumerate() {
             let name = format!("optimised-{}.program", number + 1);
             let text = program::write(&search.program(candidate));
             files.push((name.clone(), text.into_bytes()));
-            programs.push(row(Some(name), candidate, objectives));
+            programs.push(program_document(planned.cell(), name, candidate, objectives));
         }
         let document = OptimiseDocument {
             cell: planned.cell().name.clone(),
             wafers: flow.wafers(),
-            evaluated: evaluated.len(),
-            given,
+            evaluated: search.evaluated().len(),
+            given: given.as_ref().map(objectives_document),
             programs,
         };
         files.push((DOCUMENT.to_owned(), (output::to_json(&document) + "\n").into_bytes()));
@@ -254,10 +252,19 @@ impl Optimise {
             counted(document.evaluated, "program")
         );
         text.push_str("  wafers/h  min. distance mm  slip margin %  speed %  blend mm  program\n");
-        let given =
-            document.given.iter().map(|one| (one, "its order, at full speed without blends"));
-        let found = document.programs.iter().map(|one| (one, one.file.as_deref().unwrap_or("")));
-        for (one, name) in given.chain(found) {
+        let objectives = |one: Option<&ObjectivesDocument>| {
+            let texts = one.map(|one| {
+                let rate = fixed(one.wafers_per_hour, 1);
+                [rate, fixed(one.min_distance_mm, 3), fixed(one.slip_margin_percent, 1)]
+            });
+            let [rate, distance, slip] = texts.unwrap_or_else(|| ["–"; 3].map(str::to_owned));
+            format!("  {rate:>8} {distance:>17} {slip:>14}")
+        };
+        let given = document.given.as_ref();
+        let with_violations = if given.is_none() { ", with violations" } else { "" };
+        let (own, given) = ("–", objectives(given));
+        let _ = writeln!(text, "{given} {own:>8} {own:>9}  as given{with_violations}");
+        for one in &document.programs {
             let stations = one.stations.iter().map(|own| {
                 let (speed, blend) = (fixed(own.speed_percent, 0), fixed(own.blend_mm, 1));
                 format!("; {} {speed} %, {blend} mm", own.station)
@@ -265,12 +272,11 @@ impl Optimise {
             let stations: String = stations.collect();
             let _ = writeln!(
                 text,
-                "  {:>8} {:>17} {:>14} {:>8} {:>9}  {name}{stations}",
-                fixed(one.wafers_per_hour, 1),
-                fixed(one.min_distance_mm, 3),
-                fixed(one.slip_margin_percent, 1),
+                "{} {:>8} {:>9}  {}{stations}",
+                objectives(Some(&one.objectives)),
                 fixed(one.speed_percent, 0),
-                fixed(one.blend_mm, 1)
+                fixed(one.blend_mm, 1),
+                one.file
             );
         }
         let written = counted(document.programs.len(), "program");
@@ -279,9 +285,17 @@ impl Optimise {
     }
 }
 
-fn row(
+fn objectives_document(objectives: &Objectives) -> ObjectivesDocument {
+    ObjectivesDocument {
+        wafers_per_hour: objectives.wafers_per_hour,
+        min_distance_mm: mm(objectives.clearance),
+        slip_margin_percent: 100.0 * objectives.slip_margin,
+    }
+}
+
+fn program_document(
     cell: &Cell,
-    file: Option<String>,
+    file: String,
     candidate: &Candidate,
     objectives: &Objectives,
 ) -> ProgramDocument {
@@ -296,9 +310,7 @@ fn row(
         speed_percent: 100.0 * candidate.settings.speed,
         blend_mm: mm(candidate.settings.blend_radius),
         stations: stations.collect(),
-        wafers_per_hour: objectives.wafers_per_hour,
-        min_distance_mm: mm(objectives.clearance),
-        slip_margin_percent: 100.0 * objectives.slip_margin,
+        objectives: objectives_document(objectives),
     }
 }
 

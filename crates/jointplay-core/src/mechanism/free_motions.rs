@@ -1,64 +1,32 @@
-//! Motions that drives leave free, such as the spins of bars between two balls.
+//! Motions that held coordinates leave free, such as the spins of bars between two balls.
 
-use std::fmt;
-
-use jointplay_core::Error as CoreError;
-use jointplay_core::constraint::System as _;
-use jointplay_core::linalg::svd;
-use jointplay_core::mechanism::{JointKind, Mechanism, MechanismSystem};
-use jointplay_core::mobility::RANK_THRESHOLD;
-use jointplay_format::place::listed;
 use nalgebra::{DMatrix, DVector};
+
+use super::{JointKind, Mechanism, MechanismSystem};
+use crate::Error;
+use crate::constraint::System as _;
+use crate::linalg::svd;
+use crate::mobility::RANK_THRESHOLD;
 
 /// Share of a free motion above which a joint takes part in it.
 const PART: f64 = 1e-6;
 /// Displacement along a free motion at which the poses of links are compared, in radians and characteristic lengths.
 const STEP: f64 = 1e-6;
-/// Motions that a message lists.
-const MOST_LISTED: usize = 4;
 
-/// Independent motions of the same joints that remain where all drives are held.
-#[derive(Debug, Clone, PartialEq)]
+/// Independent motions of the same joints that remain where other coordinates are held.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FreeMotion {
     /// Number of the motions.
     pub count: usize,
-    /// Names of the links that move.
-    pub links: Vec<String>,
-    /// Names of the joints that move.
-    pub joints: Vec<String>,
+    /// Indices of the links that move.
+    pub links: Vec<usize>,
+    /// Indices of the joints that move.
+    pub joints: Vec<usize>,
     /// Whether it is the turn of a link between two balls about the line through them.
     pub is_spin: bool,
 }
 
-impl fmt::Display for FreeMotion {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { count, links, joints, is_spin } = self;
-        match (is_spin, count) {
-            (true, _) => write!(to, "the spin of {} between two balls", listed(links)),
-            (false, 1) => write!(to, "a motion of {} by {}", listed(links), listed(joints)),
-            (false, _) => write!(to, "{count} motions of {} by {}", listed(links), listed(joints)),
-        }
-    }
-}
-
-/// Free motions in one message, with a remedy.
-pub(super) fn explained(motions: &[FreeMotion]) -> String {
-    let count: usize = motions.iter().map(|motion| motion.count).sum();
-    let mut shown: Vec<String> =
-        motions.iter().take(MOST_LISTED).map(ToString::to_string).collect();
-    if motions.len() > MOST_LISTED {
-        shown.push(format!("{} more", motions.len() - MOST_LISTED));
-    }
-    let remedy = if motions.iter().all(|motion| motion.is_spin) {
-        "make one of the two balls of each a universal joint, whose axes are perpendicular to the line through the balls"
-    } else {
-        "set `actuated = true` at one of their joints for each, or choose an initial configuration that is not singular"
-    };
-    let plural = if count == 1 { "" } else { "s" };
-    format!("the drives leave {count} motion{plural} free: {}; {remedy}", shown.join("; "))
-}
-
-/// The motions that remain free where the drives are held, in groups that share no joint.
+/// The instantaneous motions that remain free where coordinates are held, in groups that share no joint.
 ///
 /// ```text
 ///    J_p  ·  N  =  0        J_p: loops by the passive joints;   N: (p, u) orthonormal
@@ -67,12 +35,18 @@ pub(super) fn explained(motions: &[FreeMotion]) -> String {
 ///
 /// # Arguments
 /// * `coordinates` – (f + M) of a closed configuration (m, rad)
-/// * `drives` – indices of the coordinates that are held; virtual joints are held too
-pub(super) fn free_motions(
+/// * `held` – indices of joint coordinates; virtual joints are held too
+///
+/// # Errors
+/// Those of [`MechanismSystem::new`]; [`Error::Linalg`] (never seen).
+///
+/// # Numerics
+/// One dense singular value decomposition.
+pub fn free_motions(
     mechanism: &Mechanism,
     coordinates: &DVector<f64>,
-    drives: &[usize],
-) -> Result<Vec<FreeMotion>, CoreError> {
+    held: &[usize],
+) -> Result<Vec<FreeMotion>, Error> {
     let system = MechanismSystem::new(mechanism, coordinates.clone())?;
     let length = system.characteristic_length();
     let mut jacobian = system.constraint_jacobian(&system.at_home());
@@ -82,7 +56,7 @@ pub(super) fn free_motions(
     let units: Vec<f64> =
         system.kinematics().dimensions().iter().map(|unit| unit.unit(length)).collect();
     let passive: Vec<usize> =
-        (0..mechanism.joint_freedoms()).filter(|k| !drives.contains(k)).collect();
+        (0..mechanism.joint_freedoms()).filter(|k| !held.contains(k)).collect();
     let mut loops = jacobian.select_columns(&passive);
     for (mut column, &k) in loops.column_iter_mut().zip(&passive) {
         column *= units[k];
@@ -134,7 +108,7 @@ fn described(
     units: &[f64],
     projector: &DMatrix<f64>,
     group: &[usize],
-) -> Result<FreeMotion, CoreError> {
+) -> Result<FreeMotion, Error> {
     let kinematics = system.kinematics();
     let mechanism = kinematics.mechanism();
     let (home, length) = (system.home(), system.characteristic_length());
@@ -168,10 +142,5 @@ fn described(
     let links: Vec<usize> = (0..at_rest.len()).filter(|&link| is_moved[link]).collect();
     let is_ball = |&joint: &usize| mechanism.joints()[joint].kind == JointKind::Spherical;
     let is_spin = count == 1 && links.len() == 1 && moving.len() == 2 && moving.iter().all(is_ball);
-    Ok(FreeMotion {
-        count,
-        links: links.into_iter().map(|link| mechanism.links()[link].clone()).collect(),
-        joints: moving.into_iter().map(|joint| mechanism.joints()[joint].name.clone()).collect(),
-        is_spin,
-    })
+    Ok(FreeMotion { count, links, joints: moving, is_spin })
 }
