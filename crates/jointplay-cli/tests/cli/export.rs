@@ -159,7 +159,7 @@ fn units_are_written_with_the_libraries_of_their_platforms() {
         ("gpr --to fmu --library linux.so --rigid", 2, "--rigid"),
         ("gpr --to fmu --library linux.so --q-mm 900,500,500", 1, "limits exceeded"),
         ("fixed.toml --to fmu --library linux.so", 2, "actuated = true"),
-        ("delta --to fmu --library linux.so", 1, "leave 6 motions free: the spin of rod 1 left"),
+        ("delta --to fmu --library linux.so", 1, "leave 6 motions free: the spins of rod 1 left"),
         ("four-bar --to fmu --library linux.so --fmi 4", 2, "possible values: 2, 3"),
     ] {
         let run = sandbox.run(&format!("export {flags} --out refused"));

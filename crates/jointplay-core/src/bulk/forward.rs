@@ -61,7 +61,7 @@ pub(super) struct Work<'a, 'b> {
     pub(super) wanted: &'a mut [(Quantity, &'b mut [f64])],
 }
 
-impl Work<'_, '_> {
+impl<'b> Work<'_, 'b> {
     /// Computes all poses.
     ///
     /// # Errors
@@ -108,19 +108,22 @@ impl Work<'_, '_> {
                 if task.solver == Solver::ClosedForm {
                     self.polynomials = None;
                 }
-                self.by_blocks::<M>(task)
+                M::by_blocks(self, task, Arch::new())
             }
             _ => self.one_by_one(0..self.status.len()),
         }
     }
 
-    fn by_blocks<M: Model>(&mut self, task: Task<'_>) -> Result<(), Error> {
-        let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
-        let (model, method) = (PhantomData::<M>, Chosen(self.polynomials));
-        let (rods, status, wanted) = (self.rods, &mut *self.status, &mut *self.wanted);
-        let blocks = Blocks { rods, status, wanted, task, limits, model, method };
-        let doubtful = Arch::new().dispatch(blocks);
-        if doubtful { self.the_rest() } else { Ok(()) }
+    fn blocks<'w, M: Model>(&'w mut self, task: Task<'w>) -> Blocks<'w, 'b, M> {
+        Blocks {
+            rods: self.rods,
+            status: &mut *self.status,
+            wanted: &mut *self.wanted,
+            task,
+            limits: self.gpr.checks_limits().then(|| Within::of(self.gpr)),
+            model: PhantomData,
+            method: Chosen(self.polynomials),
+        }
     }
 
     /// Poses that a kernel has left.
@@ -180,6 +183,17 @@ impl Work<'_, '_> {
         Ok(())
     }
 }
+
+/// A method of the model, with which it is compiled.
+trait ByBlocks: Model {
+    /// The poses with these instructions, then those that the kernel has left.
+    fn by_blocks(work: &mut Work<'_, '_>, task: Task<'_>, arch: Arch) -> Result<(), Error> {
+        let doubtful = arch.dispatch(work.blocks::<Self>(task));
+        if doubtful { work.the_rest() } else { Ok(()) }
+    }
+}
+
+impl<M: Model> ByBlocks for M {}
 
 /// Poses of a group.
 const TOGETHER: usize = 64;
@@ -276,32 +290,26 @@ pub(super) fn value(
 
 #[cfg(test)]
 mod tests {
-    use pulp::Simd;
-
     use super::*;
     use crate::bulk::PoseSolver;
+    use crate::bulk::instruction_set::instruction_sets;
     use crate::gpr::AxisHeight;
     use crate::spatial::Tilt;
     use crate::virtualization::built_in;
 
     const POSES: usize = 67;
 
-    /// What is computed with all kinds of registers.
+    /// What is computed with all instruction sets.
     type Given<'g> = (
         &'g (dyn Virtualization + Sync),
         &'g [Vec<f64>; 3],
         &'g SolveOptions,
         Option<&'g JointPolynomials>,
     );
-
-    /// Bits of all quantities of a virtualization, computed with one kind of registers, with the statuses.
+    /// Bits of all quantities of a virtualization, computed with one instruction set, with the statuses.
     ///
     /// Where few quantities are wanted, another loop has the same bits.
-    fn with<S: Simd, M: Model>(
-        simd: S,
-        gpr: &Gpr,
-        given: Given<'_>,
-    ) -> (Vec<Vec<u64>>, Vec<Status>) {
+    fn with<M: Model>(arch: Arch, gpr: &Gpr, given: Given<'_>) -> (Vec<Vec<u64>>, Vec<Status>) {
         let joints = given.0.joints().len();
         let mut quantities: Vec<_> = (0..joints).map(Quantity::VirtualJoint).collect();
         quantities.push(Quantity::Residual);
@@ -315,16 +323,16 @@ mod tests {
         quantities.extend((0..9).map(|k| Quantity::Rotation(k / 3, k % 3)));
         quantities.extend([Quantity::Azimuth, Quantity::TiltAngle, Quantity::AxisHeight]);
         quantities.extend([Quantity::Displacement, Quantity::Iterations]);
-        let all = bits::<S, M>(simd, gpr, given, &quantities);
+        let all = bits::<M>(arch, gpr, given, &quantities);
         for few in [of_joints, of_platform] {
-            let (columns, status) = bits::<S, M>(simd, gpr, given, &quantities[..few]);
+            let (columns, status) = bits::<M>(arch, gpr, given, &quantities[..few]);
             assert!(columns == all.0[..few] && status == all.1, "{few} columns");
         }
         all
     }
 
-    fn bits<S: Simd, M: Model>(
-        simd: S,
+    fn bits<M: Model>(
+        arch: Arch,
         gpr: &Gpr,
         (virtualization, rods, options, polynomials): Given<'_>,
         quantities: &[Quantity],
@@ -350,18 +358,8 @@ mod tests {
         let length = options.metric.characteristic_length(gpr.platform()).unwrap();
         let first_step = FirstStep::new(gpr.platform(), virtualization, length);
         let task = Task::new::<M>(gpr.dimensions(), options, length);
-        let doubtful = simd.vectorize(Blocks {
-            rods: work.rods,
-            status: &mut *work.status,
-            wanted: &mut *work.wanted,
-            task: Task { first_step: first_step.as_ref(), ..task },
-            limits: None,
-            model: PhantomData::<M>,
-            method: Chosen(polynomials),
-        });
-        if doubtful {
-            work.the_rest().unwrap();
-        }
+        let task = Task { first_step: first_step.as_ref(), ..task };
+        M::by_blocks(&mut work, task, arch).unwrap();
         let bits = |column: &Vec<f64>| {
             // The bits of what is no number have no meaning.
             column.iter().map(|v| if v.is_nan() { u64::MAX } else { v.to_bits() }).collect()
@@ -395,22 +393,13 @@ mod tests {
             assert_eq!(prepared.polynomials.is_some(), M::SETTLES);
             for polynomials in [None, prepared.polynomials.as_ref()] {
                 let given = (virtualization, &rods, options, polynomials);
-                let one_lane = with::<_, M>(pulp::Scalar, &gpr, given);
+                let by = |arch| with::<M>(arch, &gpr, given);
+                let one_lane = by(Arch::Scalar);
                 let solved = one_lane.1.iter().filter(|status| **status == Status::Solved).count();
                 assert!((POSES / 2..POSES + 5).contains(&solved), "{solved}");
-                let check = |name: &str, lanes: (Vec<Vec<u64>>, Vec<Status>)| {
-                    assert!(lanes == one_lane, "{name}, {}, {solver}", virtualization.name());
-                };
-                check("two lanes", with::<_, M>(pulp::Scalar128b, &gpr, given));
-                #[cfg(target_arch = "x86_64")]
-                {
-                    use pulp::x86::{V3, V4};
-                    if let Some(simd) = V3::try_new() {
-                        check("AVX2", with::<_, M>(simd, &gpr, given));
-                    }
-                    if let Some(simd) = V4::try_new() {
-                        check("AVX-512", with::<_, M>(simd, &gpr, given));
-                    }
+                let name = virtualization.name();
+                for (instructions, arch) in instruction_sets() {
+                    assert!(by(arch) == one_lane, "{instructions}, {name}, {solver}");
                 }
             }
         }

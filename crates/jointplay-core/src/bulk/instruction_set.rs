@@ -7,7 +7,11 @@ use pulp::Arch;
 /// Columns have the same bits with each of them.
 #[must_use]
 pub fn instruction_set() -> &'static str {
-    match Arch::new() {
+    name(Arch::new())
+}
+
+fn name(arch: Arch) -> &'static str {
+    match arch {
         Arch::Scalar => "baseline",
         #[cfg(target_arch = "x86_64")]
         Arch::V3(_) => "AVX2",
@@ -17,4 +21,13 @@ pub fn instruction_set() -> &'static str {
         Arch::Neon(_) => "NEON",
         _ => "another",
     }
+}
+
+/// All instruction sets of this processor that are compared with its baseline, with their names.
+#[cfg(test)]
+pub(super) fn instruction_sets() -> Vec<(&'static str, Arch)> {
+    let mut found = vec![Arch::new()];
+    #[cfg(target_arch = "x86_64")]
+    found.extend(pulp::x86::V3::try_new().map(Arch::V3));
+    found.into_iter().map(|arch| (name(arch), arch)).collect()
 }

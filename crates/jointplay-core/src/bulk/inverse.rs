@@ -54,7 +54,7 @@ impl Gpr {
         };
         let given = [azimuth, tilt_angle, height];
         let blocks = Blocks { gpr: self, given, bounds, status, rods };
-        Arch::new().dispatch(blocks)?;
+        blocks.compute(Arch::new())?;
         Ok(StatusCounts::of(status))
     }
 }
@@ -143,6 +143,11 @@ impl<S: Simd> Tilts<S> {
 }
 
 impl Blocks<'_> {
+    /// Computes all tilts with these instructions.
+    fn compute(self, arch: Arch) -> Result<(), Error> {
+        arch.dispatch(self)
+    }
+
     /// Tilts that the blocks have left.
     #[cold]
     fn one_by_one(&mut self) -> Result<(), Error> {
@@ -173,9 +178,13 @@ impl Blocks<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bulk::instruction_set::instruction_sets;
 
     /// Bits of the rods and statuses of tilts, some beyond the limits and some not numbers.
-    fn with<S: Simd>(simd: S, gpr: &Gpr) -> (Vec<u64>, Vec<Status>) {
+    fn with(
+        kernel: &dyn Fn(Blocks<'_>) -> Result<(), Error>,
+        gpr: &Gpr,
+    ) -> (Vec<u64>, Vec<Status>) {
         const TILTS: usize = 61;
         let of = |scale: f64| -> Vec<f64> { (0..TILTS).map(|i| i as f64 * scale).collect() };
         let (mut azimuth, mut tilt_angle, mut height) = (of(0.7), of(0.0007), of(0.001));
@@ -199,7 +208,7 @@ mod tests {
             status: &mut status,
             rods: rods.each_mut().map(|rods| &mut rods[..]),
         };
-        simd.vectorize(blocks).unwrap();
+        kernel(blocks).unwrap();
         for i in 0..TILTS {
             let tilt = Tilt { azimuth: azimuth[i], angle: tilt_angle[i] };
             match gpr.inverse(tilt, AxisHeight(height[i])) {
@@ -221,19 +230,14 @@ mod tests {
     #[test]
     fn all_register_widths_give_the_same_bits() {
         let gpr = Gpr::paper();
-        let one_lane = with(pulp::Scalar, &gpr);
+        let by = |arch| with(&|blocks: Blocks<'_>| blocks.compute(arch), &gpr);
+        let one_lane = by(Arch::Scalar);
         let failed = one_lane.1.iter().filter(|status| **status != Status::Solved).count();
         assert!((15..40).contains(&failed), "{failed}");
-        assert!(with(pulp::Scalar128b, &gpr) == one_lane, "two lanes");
-        #[cfg(target_arch = "x86_64")]
-        {
-            use pulp::x86::{V3, V4};
-            if let Some(simd) = V3::try_new() {
-                assert!(with(simd, &gpr) == one_lane, "AVX2");
-            }
-            if let Some(simd) = V4::try_new() {
-                assert!(with(simd, &gpr) == one_lane, "AVX-512");
-            }
+        let two_lanes = with(&|blocks: Blocks<'_>| pulp::Scalar128b.vectorize(blocks), &gpr);
+        assert!(two_lanes == one_lane, "two lanes");
+        for (instructions, arch) in instruction_sets() {
+            assert!(by(arch) == one_lane, "{instructions}");
         }
     }
 }

@@ -21,23 +21,28 @@ pub(crate) trait Model: Copy {
 }
 
 macro_rules! models {
-    ($($name:ident: $across:literal, $turns:literal, $from_socket:literal, $toward_socket:literal;)*) => {$(
-        #[derive(Clone, Copy)]
-        pub(crate) struct $name;
+    ($($module:ident $name:ident: $across:literal, $turns:literal, $from_socket:literal, $toward_socket:literal;)*) => {$(
+        pub(crate) use $module::$name;
 
-        impl Model for $name {
-            const ACROSS: bool = $across;
-            const TURNS: bool = $turns;
-            const FROM_SOCKET: bool = $from_socket;
-            const TOWARD_SOCKET: bool = $toward_socket;
+        mod $module {
+            #[derive(Clone, Copy)]
+            pub(crate) struct $name;
+
+            impl super::Model for $name {
+                const ACROSS: bool = $across;
+                const TURNS: bool = $turns;
+                const FROM_SOCKET: bool = $from_socket;
+                const TOWARD_SOCKET: bool = $toward_socket;
+            }
         }
     )*};
 }
 
+// Each in a module of its own, with which its kernels are compiled, side by side with those of the others.
 // across, turns, from socket, toward socket
 models! {
-    Radial: false, false, false, true;
-    Polar: true, true, false, true;
-    Offset: true, true, true, true;
-    Planar: true, false, true, false;
+    radial Radial: false, false, false, true;
+    polar Polar: true, true, false, true;
+    offset Offset: true, true, true, true;
+    planar Planar: true, false, true, false;
 }
