@@ -125,7 +125,7 @@ impl<M: Model> Blocks<'_, '_, M> {
                     &q_2.some(simd, some.clone(), c_2)[..length],
                     &q_3.some(simd, some, c_3)[..length],
                 ];
-                let mut sequence = Sequence::<S, M, W>::new(simd, &task, &method, rods);
+                let mut sequence = Sequence::<S, M, W, E>::new(simd, &task, &method, rods);
                 for block in 0..length {
                     let (rods, balls, ahead) = sequence.current(block);
                     let found = method.found::<S, M>(&task, &balls, ahead);
@@ -161,21 +161,22 @@ const COPIED: usize = 16;
 
 /// Consecutive blocks, with roots and quotients computed ahead.
 ///
-/// A processor executes instructions out of order, but its window holds less than two blocks, so that it waits for the roots of each.
-/// Areas of triangles are therefore computed three blocks ahead, and [`Method::ahead`] two blocks ahead.
-struct Sequence<'l, S: Simd, M, W> {
+/// A processor executes instructions out of order, but its window holds less than two blocks of joints, so that it waits for the roots of each.
+/// [`Method::ahead`] is therefore computed two blocks ahead, and areas of triangles three.
+/// A block of platforms takes longer than its roots, and has no registers left: one block less ahead.
+struct Sequence<'l, S: Simd, M, W, E> {
     simd: S,
     task: &'l Task<'l>,
     method: &'l W,
     rods: [&'l [S::f64s]; 3],
-    /// Balls of this block and of the next two.
+    /// Balls of this block and of the next two; of platforms, of the next one.
     balls: [Balls<S>; 3],
-    /// What was computed ahead of this block and of the next one.
+    /// What was computed ahead of this block and of the next one; of platforms, of this one.
     aheads: [Ahead<S>; 2],
-    model: PhantomData<M>,
+    model: PhantomData<(M, E)>,
 }
 
-impl<'l, S: Simd, M: Model, W: Method> Sequence<'l, S, M, W> {
+impl<'l, S: Simd, M: Model, W: Method, E: Extent> Sequence<'l, S, M, W, E> {
     #[inline(always)]
     fn new(simd: S, task: &'l Task<'l>, method: &'l W, rods: [&'l [S::f64s]; 3]) -> Self {
         let first = Balls::new(task.geometry, rods_at(simd, &rods, 0));
@@ -197,11 +198,18 @@ impl<'l, S: Simd, M: Model, W: Method> Sequence<'l, S, M, W> {
     /// Computes ahead for the blocks after this one, at its end: the compiler moves roots there anyway, and would store their operands until then.
     #[inline(always)]
     fn advance(&mut self, block: usize) {
-        if W::AHEAD {
-            let rods = rods_at(self.simd, &self.rods, block + 3);
-            let [_, next, after] = self.balls;
-            self.balls = [next, after, Balls::new(self.task.geometry, rods)];
-            self.aheads = [self.aheads[1], self.method.ahead::<S, M>(self.task, &after)];
+        if !W::AHEAD {
+            return;
+        }
+        let [_, next, after] = self.balls;
+        let balls = |block| Balls::new(self.task.geometry, rods_at(self.simd, &self.rods, block));
+        if E::PLATFORM {
+            let ahead = self.method.ahead::<S, M>(self.task, &next);
+            (self.balls, self.aheads) = ([next, balls(block + 2), after], [ahead; 2]);
+        } else {
+            let ahead = self.method.ahead::<S, M>(self.task, &after);
+            self.balls = [next, after, balls(block + 3)];
+            self.aheads = [self.aheads[1], ahead];
         }
     }
 }
