@@ -32,6 +32,13 @@ fn lot(criterion: &mut Criterion) {
     group.bench_function("check", |bench| {
         bench.iter(|| check(&cell, black_box(&motion), &CheckOptions::default()));
     });
+    // All of these, which share lines and inverse kinematics.
+    group.bench_function("plan", |bench| {
+        let options = PlanOptions::default();
+        bench.iter(|| {
+            IncrementalPlanner::default().plan(black_box(&cell), &read, &options).unwrap()
+        });
+    });
     // A station to and fro, as it is dragged about in the studio.
     for (name, from, to) in [
         ("LP1", "[-495.0, 495.0, 500.0]", "[-495.0, 495.2, 500.0]"),
