@@ -25,7 +25,7 @@ pub struct MotionReport {
     pub driven: Vec<String>,
     /// Names of the coordinates of other motors, which are locked.
     pub held: Vec<String>,
-    /// Motions that driven and held coordinates leave free where they leave the fewest free; `null` if they were not determined, as for large mechanisms.
+    /// Motions that the driven and held coordinates leave free, at the configuration with the fewest; `null` if they were not determined, as for large mechanisms that have some.
     pub free_motions: Option<FreeMotionsReport>,
     /// Number of steps of the solver, including shortened ones.
     pub solver_steps: usize,

@@ -413,6 +413,19 @@ fn a_motion_names_what_its_drives_leave_free() {
     let counts = released.as_array().unwrap().iter().map(|one| one["count"].as_u64().unwrap());
     assert_eq!(counts.sum::<u64>(), 7);
     assert_eq!(free("move four-bar --steps 2"), serde_json::json!([]));
+    // A chain of 300 hinges, whose last one has no motor, is too large for dense algebra.
+    let links: Vec<String> = (0..300).map(|k| format!("l{k}")).collect();
+    let hinge = |k: usize| {
+        let from = if k == 0 { "ground" } else { &links[k - 1] };
+        let hinge = format!("j{k}");
+        let hinge = joint(&hinge, "revolute", [from, &links[k]], [10.0 * k as f64, 0.0, 0.0], Z);
+        format!("{hinge}actuated = {}\n", k < 299)
+    };
+    let chain: String = (0..300).map(hinge).collect();
+    sandbox.write("chain.toml", &(HEAD.to_owned() + &chain));
+    let text = sandbox.done("move chain.toml --drive j0=0:1 --steps 2");
+    assert!(text.contains("left free: not determined for a mechanism of this size"), "{text}");
+    assert!(free("move chain.toml --drive j0=0:1 --steps 2").is_null());
 }
 
 #[test]

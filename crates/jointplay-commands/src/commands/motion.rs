@@ -188,8 +188,14 @@ impl Move {
         if !report.held.is_empty() {
             let _ = writeln!(text, "  held: {}", report.held.join(", "));
         }
-        if let Some(free) = report.free_motions.as_ref().filter(|free| free.count() > 0) {
-            let _ = writeln!(text, "  left free: {free}");
+        match &report.free_motions {
+            Some(free) if free.count() > 0 => {
+                let _ = writeln!(text, "  left free: {free}");
+            }
+            None if report.pose_commands.is_empty() => {
+                let _ = writeln!(text, "  left free: not determined for a mechanism of this size");
+            }
+            _ => {}
         }
         let _ = writeln!(text, "path");
         let _ = writeln!(text, "  solver steps         {}", report.solver_steps);
